@@ -1,7 +1,7 @@
-//! The performance budget, one core. Compare figures of one run with each other: machines differ.
+//! The performance budget, on one core. Compare figures only within one run: machines differ.
 //!
-//! `cargo bench --bench budget --profile release` (the release profile, so that nothing is compiled
-//! twice).
+//! `cargo bench --bench budget --profile release` (the release profile avoids a second
+//! compilation).
 
 use divan::{Bencher, black_box};
 

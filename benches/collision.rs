@@ -1,7 +1,8 @@
-//! Self-collision of one posture after another: along a motion (coherent) and drawn at random
-//! (unrelated). CB-i with all 153 pairs that are not adjacent, as the paper counts, and with those
-//! that can meet; Talos' hulls too where EXAMPLE_ROBOT_DATA names the folder of the Python package
-//! example-robot-data. Boxes are drawn within each figure, links before.
+//! Self-collision queries for sequences of postures: along a motion (coherent) and random
+//! (unrelated). CB-i with all 153 pairs of non-adjacent bodies, as counted in the paper, and with
+//! the pairs that can meet. Talos' hulls too, if EXAMPLE_ROBOT_DATA names the folder of the Python
+//! package example-robot-data. The timing includes the update of the bounding boxes, but not of the
+//! link poses.
 
 use divan::Bencher;
 use std::path::{Path, PathBuf};
@@ -29,13 +30,13 @@ const CASES: &[(Bodies, &str)] = &[
 
 fn talos() -> Option<PathBuf> {
     let folder = PathBuf::from(std::env::var_os("EXAMPLE_ROBOT_DATA")?);
-    let places = [folder.join("robots"), folder].map(|f| f.join("talos_data/robots/talos_reduced.urdf"));
-    places.into_iter().find(|p| p.is_file())
+    let paths = [folder.join("robots"), folder].map(|f| f.join("talos_data/robots/talos_reduced.urdf"));
+    paths.into_iter().find(|p| p.is_file())
 }
 
 fn cases() -> impl Iterator<Item = Case> {
-    let is_there = |bodies: &Bodies| !matches!(bodies, Bodies::TalosAllPairs) || talos().is_some();
-    CASES.iter().filter(move |(b, _)| is_there(b)).map(|(bodies, postures)| Case { bodies: *bodies, postures })
+    let is_available = |bodies: &Bodies| !matches!(bodies, Bodies::TalosAllPairs) || talos().is_some();
+    CASES.iter().filter(move |(b, _)| is_available(b)).map(|(bodies, postures)| Case { bodies: *bodies, postures })
 }
 
 struct Case {
@@ -89,39 +90,39 @@ fn setup(case: &Case) -> Setup {
 }
 
 impl Setup {
-    /// The next posture's boxes, and the question.
-    fn ask<T>(&mut self, mut question: impl FnMut(&mut Detector, &CollisionModel) -> T) -> T {
+    /// Updates the bounding boxes to the next posture and runs the query.
+    fn query<T>(&mut self, mut run: impl FnMut(&mut Detector, &CollisionModel) -> T) -> T {
         self.at = (self.at + 1) % POSTURES;
         self.detector.set_poses(&self.model, &self.poses[self.at]);
-        question(&mut self.detector, &self.model)
+        run(&mut self.detector, &self.model)
     }
 }
 
 #[divan::bench(args = cases())]
 fn distances_of_all_pairs(bencher: Bencher, case: &Case) {
     let mut s = setup(case);
-    super::each(bencher, || s.ask(|d, m| d.distances(m).len()));
+    super::each(bencher, || s.query(|d, m| d.distances(m).len()));
 }
 
 #[divan::bench(args = cases())]
 fn smallest_distance(bencher: Bencher, case: &Case) {
     let mut s = setup(case);
-    super::each(bencher, || s.ask(|d, m| d.closest(m, f64::INFINITY).map(|p| p.distance)));
+    super::each(bencher, || s.query(|d, m| d.closest(m, f64::INFINITY).map(|p| p.distance)));
 }
 
 #[divan::bench(args = cases())]
 fn any_collision(bencher: Bencher, case: &Case) {
     let mut s = setup(case);
-    super::each(bencher, || s.ask(|d, m| d.intersects(m, 0.0)));
+    super::each(bencher, || s.query(|d, m| d.intersects(m, 0.0)));
 }
 
 #[divan::bench(args = cases())]
 fn colliding_pairs(bencher: Bencher, case: &Case) {
     let mut s = setup(case);
-    super::each(bencher, || s.ask(|d, m| d.colliding(m, 0.0).len()));
+    super::each(bencher, || s.query(|d, m| d.colliding(m, 0.0).len()));
 }
 
-/// Poses of all 39 links of CB-i, to be added to any of the above.
+/// Poses of all 39 links of CB-i; add this time to any of the above.
 #[divan::bench]
 fn kinematics(bencher: Bencher) {
     let cbi = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/cbi/cbi.toml");
@@ -135,7 +136,7 @@ fn kinematics(bencher: Bencher) {
     });
 }
 
-/// Bodies and pairs of CB-i with the search for those that cannot meet.
+/// Bodies and pairs of CB-i, including the search for pairs that cannot meet.
 #[divan::bench(sample_count = 10)]
 fn building_the_model(bencher: Bencher) {
     let cbi = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/cbi/cbi.toml");

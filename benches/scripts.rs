@@ -15,7 +15,7 @@ use stiction::script::script_task::ScriptTask;
 use stiction::script::{Params, Purpose, RobotNames, Script};
 use stiction::task::posture::Posture;
 use stiction::task::server::TickInput;
-use stiction::task::{Command, Sensed, Task, TaskServer};
+use stiction::task::{Command, SensorReadings, Task, TaskServer};
 
 const SINE: &str = "
 local from = {}
@@ -42,7 +42,7 @@ fn script(text: &str, purpose: Purpose, model: &Model) -> Script {
 /// A tick of the task server with one task.
 fn tick(bencher: Bencher, task: impl FnOnce(&Model) -> Box<dyn Task>) {
     let model = hoap2();
-    let (mut state, sensed) = (State::home(&model), Sensed::blank(&model));
+    let (mut state, sensed) = (State::home(&model), SensorReadings::blank(&model));
     let mut server = TaskServer::new(1000.0, &model, Command::hold(&model, &model.home));
     server.add(0.0, task(&model));
     super::each(bencher, || {

@@ -1,6 +1,6 @@
-//! HOAP-2 (31 velocities, two soles of four vertices) standing and swaying under a push: one
-//! evaluation of the equations of motion, one step of 1 ms by each integrator, one choice of
-//! contact states.
+//! HOAP-2 (31 velocities, two soles of four vertices) stands and sways under a push. Times one
+//! evaluation of the equations of motion, one step of 1 ms with each integrator, and one selection
+//! of contact states.
 
 use divan::Bencher;
 use std::path::Path;
@@ -39,7 +39,7 @@ fn setup(method: &str, integrator: &str) -> Setup {
     assemble::setup(&run, &robot).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// A run that has left its start behind.
+/// A run after its initial transient.
 fn swaying(method: &str, integrator: &str) -> Simulation {
     let mut sim = Simulation::new(setup(method, integrator)).expect("the physics can do it");
     sim.begin(&mut NullObserver).expect("it begins");
@@ -47,7 +47,7 @@ fn swaying(method: &str, integrator: &str) -> Simulation {
     sim
 }
 
-/// Accelerations and contact wrenches with the states held: the evaluations of an integrator.
+/// Accelerations and contact wrenches with constant states: one evaluation by an integrator.
 #[divan::bench]
 fn right_hand_side(bencher: Bencher) {
     let sim = swaying("exact", ADAPTIVE);

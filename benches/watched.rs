@@ -1,5 +1,5 @@
-//! What it costs to watch a run, and to drive one over a link: HOAP-2 squatting on and on, 1000
-//! control ticks a second, 200 instants of the log. An iteration is a tenth of a second, **100
+//! The cost of observing a run and of driving one over a link: HOAP-2 squats repeatedly, 1000
+//! control ticks a second, 200 log instants a second. An iteration is a tenth of a second, **100
 //! control ticks**: divide by 100 for the cost of one.
 
 use divan::Bencher;
@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use stiction::assemble;
 use stiction::log::{AttachedText, LogHeader, LogWriter, MessageSink, TopicGroups};
-use stiction::remote::{Address, MotorServer, Pace, Remote};
+use stiction::remote::{Address, MotorServer, Pace, RobotClient};
 use stiction::robot;
 use stiction::scenario;
 use stiction::sim::RemoteRun;
@@ -47,7 +47,7 @@ fn each(bencher: Bencher, setup: Setup, observer: &mut dyn Observer) {
     super::each(bencher, || advance(&mut sim));
 }
 
-/// A log in this folder, and other outlets.
+/// A log in this folder, and other outputs.
 fn log(setup: &Setup, folder: Option<&Path>, outlet: Option<Box<dyn MessageSink>>) -> LogWriter {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.urdf");
     let urdf = std::fs::read_to_string(file).expect("our own robot");
@@ -97,7 +97,7 @@ mod live {
 
     const CLIENTS: [Client; 3] = [Client::Absent, Client::Reads, Client::NeverReads];
 
-    /// Subscribes to twenty topics, which are all.
+    /// Subscribes to all twenty topics.
     fn connect(at: SocketAddr) -> TcpStream {
         let mut stream = TcpStream::connect(at).expect("it listens");
         let request = "GET / HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
@@ -116,11 +116,12 @@ mod live {
 
     fn watched(bencher: Bencher, client: Client, folder: Option<&Path>) {
         let setup = setup();
-        let server = stiction::live::Live::start("127.0.0.1:0".parse().expect("an address")).expect("it listens");
-        let mut log = log(&setup, folder, Some(server.outlet()));
+        let server = stiction::live::LiveServer::start("127.0.0.1:0".parse().expect("an address")).expect("it listens");
+        let mut log = log(&setup, folder, Some(server.sink()));
         let stream = (client != Client::Absent).then(|| connect(server.address()));
-        let came = server.wait(Duration::from_secs(if stream.is_some() { 60 } else { 0 }), &AtomicBool::new(false));
-        assert_eq!(came, stream.is_some());
+        let is_connected =
+            server.wait(Duration::from_secs(if stream.is_some() { 60 } else { 0 }), &AtomicBool::new(false));
+        assert_eq!(is_connected, stream.is_some());
         let reader = stream.as_ref().filter(|_| client == Client::Reads).map(|stream| {
             let mut stream = stream.try_clone().expect("a second handle");
             std::thread::spawn(move || {
@@ -130,7 +131,7 @@ mod live {
         });
         each(bencher, setup, &mut log);
         drop(log);
-        let received = server.settle();
+        let received = server.flush();
         eprint!(" [{received}] ");
         drop(server);
         reader.into_iter().for_each(|reader| reader.join().expect("it reads"));
@@ -142,14 +143,14 @@ mod live {
     }
 
     #[divan::bench(args = CLIENTS)]
-    fn beside_log(bencher: Bencher, client: Client) {
+    fn with_log(bencher: Bencher, client: Client) {
         let folder = tempfile::tempdir().expect("a folder");
         watched(bencher, client, Some(folder.path()));
     }
 }
 
 /// The same robot driven by tasks in another thread, over UDP on loopback: each tick waits for its
-/// answer.
+/// command.
 #[divan::bench]
 fn lock_step(bencher: Bencher) {
     let free = Address { at: "127.0.0.1:0".parse().expect("an address"), key: None };
@@ -157,11 +158,11 @@ fn lock_step(bencher: Bencher) {
     let server = MotorServer::bind(&free, &here.model, &here.tasks.command, (1000.0, Pace::Free), None, None);
     let mut server = server.expect("it binds");
     let at = server.local().expect("it has an address");
-    // It ends by itself when it hears nothing any more.
+    // The thread ends when no packet arrives within its timeout.
     std::thread::spawn(move || {
         let there = Setup { log_rate: 0.0, ..setup() };
         let address = Address { at, key: None };
-        let mut robot = Remote::connect(&address, &there.model, 1000.0, None, None).expect("somebody is there");
+        let mut robot = RobotClient::connect(&address, &there.model, 1000.0, None, None).expect("the robot answers");
         RemoteRun::new(there).run(&mut robot, &mut NullObserver, &AtomicBool::new(false))
     });
     server.wait(None).expect("tasks come");

@@ -34,7 +34,7 @@ impl ContactSolver for Springs {
     /// Forces follow from heights and velocities, so there are no states to choose among.
     fn select(&mut self, p: &mut Problem, _: &SelectionInput, out: &mut Solution) -> Selection {
         self.respond(p, &States::default(), out);
-        Selection::labelled(States::default())
+        Selection::unchecked(States::default())
     }
 
     /// Only called by velocity-level integrators; see [`main`].

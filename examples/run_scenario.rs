@@ -1,4 +1,4 @@
-//! Runs every run of a scenario and prints how it ended.
+//! Executes every run of a scenario and prints its outcome.
 //!
 //!     cargo run --release --example run_scenario -- scenarios/friction-sweep.toml
 

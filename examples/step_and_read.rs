@@ -1,4 +1,4 @@
-//! Steps a humanoid that is pushed, and reads its motion, contact states and forces on the way.
+//! Steps a humanoid that is pushed, and reads its motion, contact states and forces during the run.
 //!
 //!     cargo run --release --example step_and_read
 
@@ -11,7 +11,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     let mut simulation = run.simulation()?;
     for tenth in 1..=20 {
         simulation.advance_to(0.1 * f64::from(tenth), &mut ())?;
-        // A snapshot holds everything a log holds at one instant; world axes, SI units.
+        // A snapshot has the content of a log at one instant; world axes, SI units.
         let snapshot = simulation.snapshot();
         let states: Vec<String> = simulation.contact_states().map(|state| state.to_string()).collect();
         let normal: f64 = snapshot.soles.iter().flat_map(|sole| &sole.forces).map(|force| force.z).sum();

@@ -1,6 +1,9 @@
-//! The library's front door: from a scenario file to runs, simulations and batches in a few calls.
+//! Entry points of the library: from a scenario file to runs, simulations and batches.
 //!
-//! Imports `scenario`, `robot`, `assemble`, `sim` and `batch`; the crate root exports its types. The program does not use it.
+//! Imports `scenario`, `robot`, `assemble`, `sim` and `batch`; the crate root exports its types.
+//! The program does not use it.
+//!
+//! Imports: `robot`, `scenario`, `sim`, `assemble`, `batch`. Used by: the crate root.
 
 use crate::assemble;
 use crate::batch::{Batch, BatchError, Findings, Options, Progress, Report, prepare, simulate};
@@ -9,7 +12,7 @@ use crate::scenario::{self, Diagnostics, InertiaSpec, Run, ScenarioFile};
 use crate::sim::{RunError, Setup, Simulation};
 use std::path::{Path, PathBuf};
 
-/// Errors of the front door; each displays file, line, what was found and what is expected.
+/// Errors of the library; each displays file, line, what was found and what is expected.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The scenario is not valid, or does not fit its robot.
@@ -64,7 +67,8 @@ impl Scenario {
         Ok(Self { file: scenario::load(path.as_ref())?, overrides: Vec::new() })
     }
 
-    /// Reads a scenario from text. `path` names it in messages, and relative paths in the text start at its folder.
+    /// Reads a scenario from text. `path` names it in messages, and relative paths in the text
+    /// start at its folder.
     ///
     /// # Errors
     /// The text is not TOML; [`runs`](Self::runs) checks its keys and values.
@@ -78,7 +82,7 @@ impl Scenario {
         self
     }
 
-    /// Name of the scenario: that of its file.
+    /// Name of the scenario, which is that of its file.
     pub fn name(&self) -> String {
         self.file.name()
     }
@@ -86,7 +90,7 @@ impl Scenario {
     /// All runs of the sweep, or the only one.
     ///
     /// # Errors
-    /// A key, value or combination of values that is not valid.
+    /// A key, a value or a combination of values is not valid.
     pub fn runs(&self) -> Result<Vec<Run>, Error> {
         Ok(self.file.expand(&self.overrides)?)
     }
@@ -96,7 +100,7 @@ impl Run {
     /// Loads the run's robot.
     ///
     /// # Errors
-    /// A file of the robot that cannot be read, or that does not describe a robot.
+    /// A file of the robot cannot be read or does not describe a robot.
     pub fn load_robot(&self) -> Result<Robot, Error> {
         let spec = &self.scenario.robot;
         let policy = spec.inertia.map(|policy| match policy {
@@ -106,8 +110,8 @@ impl Run {
         Ok(robot::load_with(&self.resolve(&spec.model), policy)?)
     }
 
-    /// What is simulated, in physical terms. Its fields may be changed, for example to add a force model or a task, before
-    /// [`Simulation::new`] takes it.
+    /// The setup of the simulation, in physical terms. Its fields may be changed before it is
+    /// passed to [`Simulation::new`], for example to add a force model or a task.
     ///
     /// # Errors
     /// The robot cannot be loaded, or a name or value of the scenario does not fit it.
@@ -124,11 +128,12 @@ impl Run {
     }
 }
 
-/// Runs all runs of scenario files in parallel and leaves results in the folder `options.output`, as `runner run` does.
+/// Executes all runs of scenario files in parallel and writes results to the folder
+/// `options.output`, as `runner run` does.
 ///
 /// # Errors
-/// A scenario or robot that is not valid: nothing runs then. Results that cannot be written. A run that fails is no error
-/// but an outcome in the report.
+/// A scenario or robot is not valid, in which case nothing runs, or results cannot be written. A
+/// run that fails is not an error but an outcome in the report.
 pub fn run_batch<P: AsRef<Path>>(scenarios: impl IntoIterator<Item = P>, options: Options) -> Result<Report, Error> {
     let files: Vec<PathBuf> = scenarios.into_iter().map(|path| path.as_ref().to_owned()).collect();
     let (plan, _) = prepare(&files, &[], scenario::DEFAULT_MAX_RUNS).map_err(Error::Plan)?;

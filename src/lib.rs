@@ -1,10 +1,10 @@
-//! Scenario runner for legged-robot contact: exact Coulomb friction against faster methods, with logs, residuals and
-//! verdicts.
+//! Scenario runner for legged-robot contact: exact Coulomb friction against faster methods, with
+//! logs, residuals and verdicts.
 //!
-//! The program `runner` runs scenario files; this library runs them from Rust. [`Scenario`] loads a file, its
-//! [`runs`](Scenario::runs) become [`Simulation`]s, which can be stepped and read at any time, with force models
-//! ([`Force`]), tasks ([`Task`]) and contact methods of your own in their [`Setup`]. [`run_batch`] runs files in parallel and
-//! writes logs, summary and report.
+//! The program `runner` runs scenario files; this library runs them from Rust. [`Scenario`] loads a
+//! file, its [`runs`](Scenario::runs) become [`Simulation`]s, which can be stepped and read at any
+//! time, with force models ([`Force`]), tasks ([`Task`]) and contact methods of your own in their
+//! [`Setup`]. [`run_batch`] runs files in parallel and writes logs, summary and report.
 //!
 //! ```
 //! # fn main() -> Result<(), stiction::Error> {
@@ -23,8 +23,8 @@
 
 #![warn(missing_docs)]
 
-// Rooms of the program. They are public for `runner`, tests and benches, but no part of the documented library; hidden from
-// rustdoc only, so that the lint above holds for them too.
+// Modules of the program. They are public for `runner`, tests and benches, but are not part of the
+// documented library. They are hidden from rustdoc alone, so that the lint above covers them too.
 mod api;
 #[cfg_attr(doc, doc(hidden))]
 pub mod assemble;
@@ -100,7 +100,7 @@ pub mod setup {
     pub use crate::task::TaskServer;
 }
 
-/// What a contact method implements and sees, see [`contact_methods::ContactMethod`].
+/// Traits and data types of contact methods; see [`contact_methods::ContactMethod`].
 pub mod contact_methods {
     pub use crate::contact::methods::contact_method::{
         ContactMethod, ContactSolver, Scheme, SelectionInput, StoredEnergy,

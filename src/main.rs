@@ -2,13 +2,14 @@
 
 mod cli;
 
+use clap::CommandFactory;
 use cli::{Arguments, Command, Exit};
 
 fn main() -> Exit {
     cli::decide_colours();
     let typed = match Arguments::typed() {
         Ok(arguments) => arguments.into_command(),
-        Err(told) => return told,
+        Err(exit) => return exit,
     };
     let done = match typed {
         Command::Run(run) => run.execute(),
@@ -25,8 +26,8 @@ fn main() -> Exit {
         Command::Console(console) => console.execute(),
         Command::View(view) => view.execute(),
         Command::Schema(schema) => schema.execute(),
-        Command::Completions(completions) => completions.execute(),
-        Command::Man(manual) => manual.execute(),
+        Command::Completions(completions) => completions.execute(Arguments::command()),
+        Command::Man(manual) => manual.execute(Arguments::command()),
     };
     done.unwrap_or_else(|failed| failed)
 }

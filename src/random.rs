@@ -1,10 +1,13 @@
 //! Random numbers from a seed and a purpose, the same on every machine.
+//!
+//! Imports: nothing of this crate. Used by: `collision`, `force`, `script`, `scenario`, `sim`,
+//! `assemble`, `remote`.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// A ChaCha8 stream seeded with the BLAKE3 hash of a seed and the words of a purpose. Streams of other purposes do not
-/// change it.
+/// A ChaCha8 stream seeded with the BLAKE3 hash of a seed and the strings of a purpose. Streams for
+/// different purposes are independent.
 #[derive(Clone, Debug)]
 pub struct Stream(ChaCha8Rng);
 
@@ -13,31 +16,32 @@ impl Stream {
     pub fn new<S: AsRef<str>>(seed: u64, purpose: &[S]) -> Self {
         let mut hasher = blake3::Hasher::new();
         hasher.update(&seed.to_le_bytes());
-        for word in purpose {
-            // Lengths first, so that no two purposes run together to the same bytes.
-            let word = word.as_ref().as_bytes();
-            hasher.update(&(word.len() as u64).to_le_bytes()).update(word);
+        for part in purpose {
+            // Lengths come first, so that no two purposes give the same bytes.
+            let part = part.as_ref().as_bytes();
+            hasher.update(&(part.len() as u64).to_le_bytes()).update(part);
         }
         Stream(ChaCha8Rng::from_seed(*hasher.finalize().as_bytes()))
     }
 
-    /// A uniform number in (0, 1): 52 random bits and half a bit, neither 0 nor 1.
+    /// A uniform number in (0, 1): 52 random bits plus half of the last one, so never 0 or 1.
     pub fn unit(&mut self) -> f64 {
         ((self.0.next_u64() >> 12) as f64 + 0.5) * 0.5f64.powi(52)
     }
 
-    /// A standard normal number, by Box and Muller: `sqrt(-2 ln u) cos(2 pi w)`. Source: [Box 1958].
+    /// A standard normal number, `sqrt(-2 ln u) cos(2 pi w)` [Box 1958].
     pub fn normal(&mut self) -> f64 {
         let (u, w) = (self.unit(), self.unit());
         (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * w).cos()
     }
 
-    /// A whole number below `n` (at least 1), each equally likely: numbers beyond the last full round are drawn again.
+    /// A whole number below `n` (at least 1), each equally likely: numbers beyond the greatest
+    /// multiple of `n` are drawn again.
     pub fn below(&mut self, n: u64) -> u64 {
-        let rounds = u64::MAX - u64::MAX % n;
+        let limit = u64::MAX - u64::MAX % n;
         loop {
             let x = self.0.next_u64();
-            if x < rounds {
+            if x < limit {
                 return x % n;
             }
         }
@@ -54,10 +58,10 @@ mod tests {
         let n = 200_000;
         let x: Vec<f64> = (0..n).map(|_| s.normal()).collect();
         let moment = |k: i32| x.iter().map(|x| x.powi(k)).sum::<f64>() / f64::from(n);
-        // Five standard deviations of each sample moment: sqrt(Var(x^k) / n) with variances 1, 2, 15, 96.
-        for (k, want, variance) in [(1, 0.0, 1.0), (2, 1.0, 2.0), (3, 0.0, 15.0), (4, 3.0, 96.0)] {
-            let bar = 5.0 * f64::sqrt(variance / f64::from(n));
-            assert!((moment(k) - want).abs() < bar, "moment {k}: {}", moment(k));
+        // The bound is five standard deviations of each sample moment, sqrt(Var(x^k) / n).
+        for (k, expected, variance) in [(1, 0.0, 1.0), (2, 1.0, 2.0), (3, 0.0, 15.0), (4, 3.0, 96.0)] {
+            let bound = 5.0 * f64::sqrt(variance / f64::from(n));
+            assert!((moment(k) - expected).abs() < bound, "moment {k}: {}", moment(k));
         }
     }
 

@@ -1,4 +1,4 @@
-//! Two folders of results held against each other, bit for bit but for what the clock wrote.
+//! Compares two folders of results bit for bit, except for measured times.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -13,11 +13,11 @@ pub fn is_time(column: &str) -> bool {
     ["wall_s", "real_time_factor"].contains(&column) || column.ends_with("cpu_s") || column.starts_with("timing_")
 }
 
-/// All files below a folder, by their paths from there, in order.
+/// Relative paths of all files below a folder, sorted.
 pub fn files(folder: &Path) -> Vec<String> {
     let (mut files, mut folders) = (Vec::new(), vec![folder.to_owned()]);
-    while let Some(here) = folders.pop() {
-        for entry in fs::read_dir(here).unwrap() {
+    while let Some(current) = folders.pop() {
+        for entry in fs::read_dir(current).unwrap() {
             let path = entry.unwrap().path();
             if path.is_dir() {
                 folders.push(path);
@@ -30,7 +30,7 @@ pub fn files(folder: &Path) -> Vec<String> {
     files
 }
 
-/// Rows of a summary in order, without times.
+/// Rows of a summary in file order, without times.
 pub fn rows(table: &Table) -> Vec<Vec<(String, String)>> {
     let row = |cells: &Vec<String>| {
         let named = table.header.iter().cloned().zip(cells.iter().cloned());
@@ -39,23 +39,24 @@ pub fn rows(table: &Table) -> Vec<Vec<(String, String)>> {
     table.rows.iter().map(row).collect()
 }
 
-/// A record without times.
+/// Reads a record without times.
 fn record(path: &Path) -> Value {
     let mut record: Value = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
-    record.as_object_mut().unwrap().remove("timing").expect("a record has times");
+    record.as_object_mut().unwrap().remove("timing").expect("a record with times");
     record
 }
 
-/// Lines of `runs.jsonl` by scenario and key, without times. They stand in the order in which the runs ended.
+/// Lines of `runs.jsonl` by scenario and key, without times. Their order in the file is the order
+/// in which the runs ended, so it may differ between equal batches.
 fn lines(path: &Path) -> BTreeMap<(String, String), Value> {
     let text = fs::read_to_string(path).unwrap();
     let mut lines = BTreeMap::new();
     for line in text.lines() {
         let mut line: Value = serde_json::from_str(line).unwrap();
         line.as_object_mut().unwrap().retain(|name, _| !is_time(name));
-        let word = |name: &str| line[name].as_str().unwrap().to_owned();
-        let twice = lines.insert((word("scenario"), word("key")), line);
-        assert!(twice.is_none(), "{} has two lines for a run", path.display());
+        let field = |name: &str| line[name].as_str().unwrap().to_owned();
+        let previous = lines.insert((field("scenario"), field("key")), line);
+        assert!(previous.is_none(), "{} has two lines for a run", path.display());
     }
     lines
 }
@@ -74,7 +75,7 @@ pub fn assert_same(a: &Path, b: &Path) {
                 assert_eq!(a.header, b.header);
                 assert_eq!(rows(&a), rows(&b));
             }
-            // Both show times; what they hold is that of summary.csv.
+            // Both contain times; their other values are those of summary.csv.
             "summary.parquet" | "report.html" => {}
             _ => assert!(fs::read(&a).unwrap() == fs::read(&b).unwrap(), "{file} differs"),
         }

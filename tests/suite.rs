@@ -1,4 +1,4 @@
-//! The one integration test program; each folder is a kind of truth.
+//! The only integration test binary. Each folder is a module that tests one part or one property.
 
 mod actuation;
 mod analytic;

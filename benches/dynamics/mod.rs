@@ -1,5 +1,5 @@
-//! Algorithms of the dynamics room, on HOAP-2 (31 velocities) and on a humanoid of Unitree G1's or
-//! Talos' size (35), each with two soles of four vertices.
+//! Dynamics algorithms on HOAP-2 (31 velocities) and on a humanoid of Unitree G1's or Talos' size
+//! (35), each with two soles of four vertices.
 
 mod humanoid;
 
@@ -79,7 +79,7 @@ fn aba(bencher: Bencher, robot: &str) {
     });
 }
 
-/// The reduced problem alone, for a state that is prepared.
+/// The reduced problem alone, for a prepared state.
 #[divan::bench(args = ROBOTS)]
 fn reduced_problem(bencher: Bencher, robot: &str) {
     let s = setup(robot);
@@ -87,8 +87,8 @@ fn reduced_problem(bencher: Bencher, robot: &str) {
     super::each(bencher, || reduced::assemble(&s.model, &s.ws, &Matrix3::identity(), &s.tau, &mut problem));
 }
 
-/// Everything from the state to the acceleration with both soles clamped: kinematics, h, M, factor,
-/// W, a0, a Cholesky solve for the wrenches, the acceleration.
+/// The full evaluation from the state to the acceleration with both soles clamped: kinematics, h,
+/// M, factor, W, a0, a Cholesky solve for the wrenches, the acceleration.
 #[divan::bench(args = ROBOTS)]
 fn constrained_forward_dynamics(bencher: Bencher, robot: &str) {
     let mut s = setup(robot);

@@ -1,7 +1,8 @@
-//! What the fuzz targets do with their bytes: each takes them along the way that a user's file of that kind goes, up to where
-//! a run would begin. An error is an answer; a panic, a hang or a heap without end is a finding.
+//! Entry points of the fuzz targets. Each processes its bytes like a user's file of that kind, up
+//! to the start of a run. An error is a valid result; a panic, a hang or unbounded memory is a
+//! finding.
 //!
-//! The library's own tests run the same functions on what was found (`tests/regressions`).
+//! `tests/regressions` runs the same functions on previous findings.
 
 pub mod mesh;
 pub mod motion;

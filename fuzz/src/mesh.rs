@@ -1,5 +1,6 @@
-//! Mesh files, named by a URDF beside them; the first byte says of which kind. Readers of meshes open files, so the bytes
-//! stand in one, in memory where the system has a file system there.
+//! Mesh files, named by a URDF in the same folder; the first byte selects the kind. Mesh readers
+//! open files, so the bytes are written to one, in memory if the system has an in-memory file
+//! system.
 
 use std::path::PathBuf;
 
@@ -7,24 +8,24 @@ use stiction::robot;
 
 use super::urdf;
 
-/// Kinds by their letter: the file's ending.
+/// Kinds by letter: the file's extension.
 pub const KINDS: [(u8, &str); 3] = [(b's', "stl"), (b'o', "obj"), (b'd', "dae")];
 
-/// Takes the letter of a kind and a mesh of that kind.
+/// Reads a mesh; the first byte is the letter of its kind.
 pub fn take(data: &[u8]) {
     let Some((kind, bytes)) = data.split_first() else { return };
-    let Some((_, ending)) = KINDS.iter().find(|(k, _)| k == kind) else { return };
+    let Some((_, extension)) = KINDS.iter().find(|(k, _)| k == kind) else { return };
     let folder = folder();
-    let made =
-        std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(folder.join(format!("mesh.{ending}")), bytes));
-    made.expect("room for a mesh");
-    let shape = format!("<geometry><mesh filename=\"mesh.{ending}\" scale=\"1 1 -1\"/></geometry>");
+    let written =
+        std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(folder.join(format!("mesh.{extension}")), bytes));
+    written.expect("room for a mesh");
+    let shape = format!("<geometry><mesh filename=\"mesh.{extension}\" scale=\"1 1 -1\"/></geometry>");
     let text = format!(
         "<robot name=\"fuzzed\"><link name=\"body\"><inertial><mass value=\"1\"/>\
          <inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial>\
          <visual>{shape}</visual><collision>{shape}</collision></link></robot>"
     );
-    urdf::look(robot::parse(&folder.join("fuzzed.urdf"), text, None));
+    urdf::inspect(robot::parse(&folder.join("fuzzed.urdf"), text, None));
 }
 
 fn folder() -> PathBuf {

@@ -1,4 +1,4 @@
-//! Motion files of every kind; the first byte says which.
+//! Motion files of every kind; the first byte selects the kind.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use stiction::sim::Simulation;
 
 use super::{scenario, tree};
 
-/// Kinds by their letter: the task that plays the file, and the file's ending.
+/// Kinds by letter: the task that plays the file, and the file's extension.
 pub const KINDS: [(u8, &str, &str); 6] = [
     (b'p', PLAYBACK, "toml"),
     (b'c', PLAYBACK, "csv"),
@@ -38,14 +38,14 @@ map."LeftForeArm.Xrotation" = { joint = "left_elbow", scale = -1.0, offset = "90
 "#;
 
 thread_local! {
-    static RUNS: Vec<(u8, Run)> = KINDS.iter().map(|(kind, text, ending)| {
+    static RUNS: Vec<(u8, Run)> = KINDS.iter().map(|(kind, text, extension)| {
         let mut run = tree::run(text);
-        run.inputs[0].path = PathBuf::from(format!("fuzzed.{ending}"));
+        run.inputs[0].path = PathBuf::from(format!("fuzzed.{extension}"));
         (*kind, run)
     }).collect();
 }
 
-/// Takes the letter of a kind and a file of that kind.
+/// Reads a motion file; the first byte is the letter of its kind.
 pub fn take(data: &[u8]) {
     let Some((kind, bytes)) = data.split_first() else { return };
     let run = RUNS.with(|runs| runs.iter().find(|(k, _)| k == kind).map(|(_, run)| run.clone()));

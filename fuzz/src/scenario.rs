@@ -1,4 +1,4 @@
-//! Scenario files: read, expanded, each run judged and met with its robot.
+//! Scenario files: parsed, expanded, each run checked and assembled with its robot.
 
 use stiction::assemble;
 use stiction::robot::Robot;
@@ -7,12 +7,12 @@ use stiction::sim::Simulation;
 
 use super::tree;
 
-/// Runs a file may expand to.
+/// Greatest number of runs that a file may expand to.
 const MOST_RUNS: usize = 256;
-/// Runs of a file that meet their robot.
+/// Greatest number of runs of a file that are assembled with their robot.
 const MOST_SETUPS: usize = 3;
 
-/// Takes the text of a scenario file.
+/// Reads the text of a scenario file.
 pub fn take(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
     let file = match scenario::parse(&tree::root().join("scenarios/fuzzed.toml"), text) {
@@ -25,21 +25,21 @@ pub fn take(data: &[u8]) {
         Err(wrong) => return show(&wrong),
     };
     let mut runs = Vec::new();
-    let mut keep = |run: Run| {
+    let mut collect = |run: Run| {
         show(&run.warnings);
         if runs.len() < MOST_SETUPS {
             runs.push(run);
         }
     };
-    match expansion.check(&mut keep) {
+    match expansion.check(&mut collect) {
         Ok(idle) => show(&idle),
         Err(wrong) => return show(&wrong),
     }
     for run in &runs {
-        again(run);
+        assert_round_trip(run);
         if let Some(robot) = tree::robot(run) {
-            meet(run, &robot);
-            // Bodies that must not meet take longer to prepare than all the rest.
+            assemble_run(run, &robot);
+            // Self-collision takes longer to prepare than everything else.
             if run.scenario.self_collision.is_some() {
                 break;
             }
@@ -47,8 +47,8 @@ pub fn take(data: &[u8]) {
     }
 }
 
-/// The run with every value written out is the same scenario.
-fn again(run: &Run) {
+/// Asserts that the resolved text of the run gives the same scenario.
+fn assert_round_trip(run: &Run) {
     let file = scenario::parse(&run.file, run.resolved_toml.as_str()).expect("a resolved scenario is sound");
     let mut scenarios = Vec::new();
     let expansion = file.expansion(&[], 1).expect("a resolved scenario is one run");
@@ -56,7 +56,7 @@ fn again(run: &Run) {
     assert!(scenarios == [run.scenario.clone()], "a resolved scenario reads back to another one");
 }
 
-fn meet(run: &Run, robot: &Robot) {
+fn assemble_run(run: &Run, robot: &Robot) {
     match assemble::setup(run, robot) {
         Ok(setup) => {
             let _ = Simulation::new(setup);
@@ -65,7 +65,7 @@ fn meet(run: &Run, robot: &Robot) {
     }
 }
 
-/// What a user would be shown.
+/// Renders the messages for a user.
 pub fn show(wrong: &Diagnostics) {
     let _ = (wrong.render(false), wrong.render(true));
 }

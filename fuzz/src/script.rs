@@ -1,4 +1,5 @@
-//! Scripts of tasks and forces: loaded, and called as a run's first steps call them. The first byte says what for.
+//! Scripts of tasks and forces: loaded, and called as in a run's first steps. The first byte
+//! selects the use.
 
 use stiction::assemble;
 use stiction::scenario::Run;
@@ -6,9 +7,9 @@ use stiction::sim::{NullObserver, Simulation};
 
 use super::{scenario, tree};
 
-/// Purposes by their letter: a scenario whose only script is the one to come. Those in capitals also change parameters, for
-/// which a script needs a function `change`.
-pub const PURPOSES: [(u8, &str); 5] = [
+/// Uses by letter: a scenario whose only script is the fuzzed one. Those in capitals also change
+/// parameters, for which a script needs a function `change`.
+pub const USES: [(u8, &str); 5] = [
     (
         b't',
         "robot.model = \"extending/nodder/nodder.toml\"\n[[task]]\ntype = \"script\"\nfile = \"tasks/wave.luau\"\n\
@@ -39,10 +40,10 @@ pub const PURPOSES: [(u8, &str); 5] = [
 const STEPS: usize = 5;
 
 thread_local! {
-    static RUNS: Vec<(u8, Run)> = PURPOSES.iter().map(|(kind, text)| (*kind, tree::run(text))).collect();
+    static RUNS: Vec<(u8, Run)> = USES.iter().map(|(kind, text)| (*kind, tree::run(text))).collect();
 }
 
-/// Takes the letter of a purpose and a script.
+/// Runs a script; the first byte is the letter of its use.
 pub fn take(data: &[u8]) {
     let Some((kind, bytes)) = data.split_first() else { return };
     let run = RUNS.with(|runs| runs.iter().find(|(k, _)| k == kind).map(|(_, run)| run.clone()));

@@ -1,4 +1,4 @@
-//! The repository's own robots and folders, in the middle of which the fuzzed files stand.
+//! The repository's robots and folders, in which the fuzzed files are placed.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -8,20 +8,20 @@ use std::rc::Rc;
 use stiction::robot::{self, InertiaPolicy, Robot};
 use stiction::scenario::{self, InertiaSpec, Run};
 
-/// The repository.
+/// The repository's root folder.
 pub fn root() -> &'static Path {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     if here.join("robots").is_dir() { here } else { here.parent().unwrap_or(here) }
 }
 
-/// Robots by their files and what is done about their inertias; none where that is no robot.
+/// Robots by file and inertia policy; `None` if the file is not a valid robot.
 type Loaded = HashMap<(PathBuf, Option<InertiaPolicy>), Option<Rc<Robot>>>;
 
 thread_local! {
     static LOADED: RefCell<Loaded> = RefCell::default();
 }
 
-/// The robot that a run names, if it is one of the repository's; loaded once.
+/// The robot of a run, if it is one of the repository's; loaded once.
 pub fn robot(run: &Run) -> Option<Rc<Robot>> {
     let policy = run.scenario.robot.inertia.map(|word| match word {
         InertiaSpec::Refuse => InertiaPolicy::Refuse,
@@ -50,7 +50,7 @@ fn plain(path: &Path) -> PathBuf {
     })
 }
 
-/// The only run of a scenario beside the others of the repository.
+/// The only run of a scenario placed in the repository's scenario folder.
 pub fn run(text: &str) -> Run {
     let file = scenario::parse(&root().join("scenarios/fuzzed.toml"), text).expect("a sound scenario");
     let expansion = file.expansion(&[], 1).expect("no sweep");

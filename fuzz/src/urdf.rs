@@ -1,22 +1,22 @@
-//! URDF: read, checked, repaired, made into a model.
+//! URDF: parsed, checked, repaired, converted to a model.
 
 use stiction::robot::{self, InertiaPolicy, Robot, RobotError};
 
 use super::tree;
 
-/// Takes the text of a URDF; once as it is, and once with inertias repaired.
+/// Reads the text of a URDF, unchanged and, if that fails, with inertias repaired.
 pub fn take(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
     let path = tree::root().join("robots/fuzzed/fuzzed.urdf");
     let robot = robot::parse(&path, text, None);
     if robot.is_err() {
-        look(robot::parse(&path, text, Some(InertiaPolicy::Repair)));
+        inspect(robot::parse(&path, text, Some(InertiaPolicy::Repair)));
     }
-    look(robot);
+    inspect(robot);
 }
 
-/// What `runner inspect` shows, or the error.
-pub fn look(robot: Result<Robot, RobotError>) {
+/// Renders the output of `runner inspect`, or the error.
+pub fn inspect(robot: Result<Robot, RobotError>) {
     match robot {
         Ok(robot) => {
             for notice in &robot.notices {

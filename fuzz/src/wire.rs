@@ -1,7 +1,7 @@
-//! Packets of the link between tasks and a robot, as a socket gives them: raw, or sound ones of each kind with some of their
-//! bytes exchanged, so that what lies behind lengths and seals is reached too.
+//! Fuzzes packets of the link between tasks and a robot: arbitrary bytes, or valid packets of each
+//! kind with some bytes changed, so that the code behind lengths and tags is reached.
 //!
-//! Whatever is taken is written again, and must come out as it came in.
+//! An accepted packet is written again and must yield the same bytes.
 
 use stiction::dynamics::chain::FrameMotion;
 use stiction::remote::wire::{
@@ -9,32 +9,33 @@ use stiction::remote::wire::{
     write_sensing,
 };
 use stiction::robot::Model;
-use stiction::task::{Command, Sensed};
+use stiction::task::{Command, SensorReadings};
 
 use super::tree;
 
-/// Letters of the first byte: what the rest is laid over.
+/// First byte of the input: the kind of valid packet to change, or `r` for arbitrary bytes.
 pub const KINDS: [u8; 7] = *b"rhwcsvb";
-/// Letters of the second: no key; a key, and the seal of the sound packet; sealed anew; no key, and its length set anew.
-pub const SEALS: [u8; 4] = *b"nksl";
+/// Second byte: `n` no key, `k` the tag of the valid packet, `s` a new tag after the changes, `l`
+/// no key but a new length after the changes.
+pub const TAGS: [u8; 4] = *b"nksl";
 
 thread_local! {
     static MODEL: Model = tree::robot(&tree::run("robot.model = \"../robots/hoap2/hoap2.toml\"")).expect("HOAP-2").model.clone();
 }
 
-/// Takes two letters and the bytes of a packet, or for kinds other than `r` how much longer or shorter it is than a sound
-/// one (a signed byte) and changes of it: twice a byte for the place, and one for what stands there.
+/// Takes the two letters and the bytes of a packet. For kinds other than `r` the rest is the change
+/// in length (a signed byte) and changed bytes: two bytes of position, one of value.
 pub fn take(data: &[u8]) {
-    let [kind, seal, rest @ ..] = data else { return };
+    let [kind, tag, rest @ ..] = data else { return };
     MODEL.with(|model| {
         let key = Key::of(b"a secret of the fuzz target").expect("long enough");
-        let key = matches!(seal, b'k' | b's').then_some(&key);
+        let key = matches!(tag, b'k' | b's').then_some(&key);
         let mut packet = Vec::new();
         if *kind == b'r' {
             packet.extend_from_slice(rest);
         } else {
-            let Some(()) = sound(*kind, model, &mut packet) else { return };
-            wire::end(key.filter(|_| *seal == b'k'), &mut packet);
+            let Some(()) = valid(*kind, model, &mut packet) else { return };
+            wire::end(key.filter(|_| *tag == b'k'), &mut packet);
             let [longer, changes @ ..] = rest else { return };
             packet.resize(packet.len().saturating_add_signed(isize::from(*longer as i8)), 0x5a);
             for change in changes.chunks_exact(3) {
@@ -44,14 +45,14 @@ pub fn take(data: &[u8]) {
                 }
             }
         }
-        if matches!(seal, b's' | b'l') && packet.len() >= HEADER {
+        if matches!(tag, b's' | b'l') && packet.len() >= HEADER {
             wire::end(key, &mut packet);
         }
-        let _ = look(&packet, key, model);
+        let _ = read(&packet, key, model);
     });
 }
 
-fn sound(kind: u8, model: &Model, packet: &mut Vec<u8>) -> Option<()> {
+fn valid(kind: u8, model: &Model, packet: &mut Vec<u8>) -> Option<()> {
     let robot = fingerprint(model);
     let header = |kind| Header { kind, flags: 0, session: 7, sequence: 3, tick: 12, time: 0.012 };
     match kind {
@@ -69,7 +70,7 @@ fn sound(kind: u8, model: &Model, packet: &mut Vec<u8>) -> Option<()> {
         }
         b's' | b'v' => {
             wire::begin(&header(Kind::Sensing), packet);
-            let mut sensed = Sensed::blank(model);
+            let mut sensed = SensorReadings::blank(model);
             if kind == b'v' {
                 sensed.base = Some(FrameMotion::default());
                 sensed.soles.iter_mut().for_each(|sole| sole.resolved = true);
@@ -82,8 +83,8 @@ fn sound(kind: u8, model: &Model, packet: &mut Vec<u8>) -> Option<()> {
     Some(())
 }
 
-/// What either side does with a packet that came.
-fn look(packet: &[u8], key: Option<&Key>, model: &Model) -> Result<(), wire::Refused> {
+/// Reads a packet as either side of the link does.
+fn read(packet: &[u8], key: Option<&Key>, model: &Model) -> Result<(), wire::Rejection> {
     let (header, body) = wire::open(packet, key)?;
     assert!(header.time.is_finite(), "a time that is not finite");
     let mut again = Vec::new();
@@ -109,7 +110,7 @@ fn look(packet: &[u8], key: Option<&Key>, model: &Model) -> Result<(), wire::Ref
             write_control(&command, next, &mut again);
         }
         Kind::Sensing => {
-            let mut sensed = Sensed::blank(model);
+            let mut sensed = SensorReadings::blank(model);
             read_sensing(&header, body, &mut sensed)?;
             for column in [&sensed.position, &sensed.velocity, &sensed.load] {
                 assert!(column.iter().all(|x| x.is_finite()), "sensing that is not finite");
@@ -119,6 +120,6 @@ fn look(packet: &[u8], key: Option<&Key>, model: &Model) -> Result<(), wire::Ref
         }
         Kind::Bye => again.extend_from_slice(body),
     }
-    assert_eq!(&again[HEADER..], body, "what was read is not what is written");
+    assert_eq!(&again[HEADER..], body, "the packet differs after reading and writing it");
     Ok(())
 }

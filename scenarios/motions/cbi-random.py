@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Writes cbi-random.csv: random postures for all joints of CB-i, 1 to 1.4 s apart for 60 s.
 
-Each joint is drawn uniformly from the middle 65 % of its range, so that the least-jerk curve through the postures stays
-within the range. It begins and ends at home. Nothing is looked at but the ranges: much of it is through the robot's own body.
+Each joint is drawn uniformly from the middle 65 % of its range, so that the minimum-jerk curve through the postures stays
+within the range. The motion begins and ends at home. The script checks only the ranges, so much of the
+motion passes through the robot's own body.
 """
 
 import math

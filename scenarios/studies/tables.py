@@ -8,7 +8,6 @@ Needs Python 3.9, nothing else.
 
 import csv
 import itertools
-import math
 import re
 import sys
 
@@ -113,14 +112,14 @@ def tolerances(rows):
             name += f", d {tolerance(row, 'contact.distance_tolerance')}"
         elif is_default(row):
             name = f"**{name}**"
-        return [name, *errors(row), row["impacts"], tested(row), row["inconsistent"], tolerance(row, "cpu_s")]
+        return [name, *errors(row), row["impacts"], tested(row), tolerance(row, "cpu_s")]
 
     def stepped(row):
         adaptive = row["integrator.method"] == "dopri5"
         step = tolerance(row, "integrator.max_step" if adaptive else "integrator.step")
         names = ["contact.distance_tolerance", "contact.velocity_tolerance"]
-        name = [row["contact.method"], row["integrator.method"], f"{step} s", *(tolerance(row, column) for column in names)]
-        return [", ".join(name), *errors(row), tolerance(row, "max_tension_N"), tested(row), tolerance(row, "cpu_s")]
+        name = [row["contact.method"], row["integrator.method"], step, *(tolerance(row, column) for column in names)]
+        return [", ".join(name), *errors(row), tolerance(row, "max_tension_N"), tolerance(row, "cpu_s")]
 
     def at_ends(row):
         return row["contact.events"] == "step" or row["contact.method"] == "one-step" or row["integrator.method"] == "semi-implicit"
@@ -129,24 +128,27 @@ def tolerances(rows):
     def bits(row):
         return [row[column] for column in row if column.startswith(("final_", "max_", "error_")) or column == "steps"]
 
-    lines, ends, same = [], [], []
+    lines, ends, notes = [], [], []
     for title, some in motions(rows):
         units = [f"*{title}*", "m", "rad", "rad", "N", ""]
-        lines.append([*units, "", "", "", ""])
-        ends.append([*units, "N", "", ""])
+        lines.append([*units, "", "", ""])
+        ends.append([*units, "N", ""])
         seen = []
         for row in some:
+            if row["inconsistent"] != "0":
+                name = stepped(row)[0] if at_ends(row) else located(row)[0]
+                notes.append(f"{title}: {name} has {row['inconsistent']} inconsistent selections")
             if at_ends(row):
                 ends.append(stepped(row))
             elif not is_default(row) and bits(row) in [bits(other) for other in seen]:
-                same.append(f"{title}: {located(row)[0]} gives the same bits as one above")
+                notes.append(f"{title}: {located(row)[0]} gives the same bits as one above")
             else:
                 lines.append(located(row))
                 seen.append(row)
     common = ["position", "joints", "end", "force", "agreement"]
-    table(["v_t, a_t, relative tolerance", *common, "impacts", "tested", "inconsistent", "cost"], lines)
-    print("\n".join(same) + "\n")
-    table(["method, integrator, h, d, v_t", *common, "pull", "tested", "cost"], ends)
+    table(["v_t, a_t, relative tolerance", *common, "impacts", "tested", "cost"], lines)
+    print("\n".join(notes) + "\n")
+    table(["method, integrator, h, d, v_t", *common, "pull", "cost"], ends)
 
 
 def pushes(rows):
@@ -158,11 +160,10 @@ def pushes(rows):
         falls = ordered[len(stands) :]
         if not stands or not all(row["outcome"] == "fallen" for row in falls):
             return ["?", "?"]
-        return [said(stands[-1]), said(falls[0])]
+        return [peak(stands[-1]), peak(falls[0])]
 
-    def said(row):
-        force, time = number(row, "force.0.force.0"), number(row, "force.0.duration")
-        return f"{force:.0f} N, {2 * force * time / math.pi:.1f} N s"
+    def peak(row):
+        return f"{number(row, 'force.0.force.0'):.0f}"
 
     lines = []
     for time in sorted({number(row, "force.0.duration") for row in rows}):
@@ -173,7 +174,7 @@ def pushes(rows):
     for row in rows:
         if row["inconsistent"] != "0":
             balance = "without" if row["task"] == "[]" else "with"
-            print(f"{said(row)} in {row['force.0.duration']} s {balance} balance: {row['inconsistent']} instants without a state")
+            print(f"{peak(row)} N in {row['force.0.duration']} s {balance} balance: {row['inconsistent']} instants without a state")
     print()
 
 

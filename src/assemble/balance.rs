@@ -9,7 +9,7 @@ use crate::task::balance::position_balance::{self, PositionBalance};
 use crate::task::kinematic::planned_robot;
 use nalgebra::{Vector2, Vector3};
 
-/// The task of the entry at `path`; none, with an error, for a robot that cannot stand.
+/// The task of the entry at `path`; `None`, with an error, for a robot that cannot stand.
 pub(super) fn balance(
     run: &Run,
     model: &Model,
@@ -17,7 +17,7 @@ pub(super) fn balance(
     spec: &BalanceTask,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<Box<dyn Task>> {
-    let soles = footing(run, model, path, spec.soles.as_deref(), errors);
+    let soles = supporting_soles(run, model, path, spec.soles.as_deref(), errors);
     let task: Box<dyn Task> = match spec.control {
         BalanceControl::Force => {
             let (s, rate) = (&spec.force, run.scenario.control.rate);
@@ -25,8 +25,8 @@ pub(super) fn balance(
             let settings = Settings {
                 duration: spec.duration.unwrap_or(f64::INFINITY),
                 com: gains(s.com),
-                orientation: s.orientation.map_or_else(|| held(100.0, 20.0, rate / 50.0), gains),
-                joints: s.joints.map_or_else(|| held(25.0, 10.0, rate / 100.0), gains),
+                orientation: s.orientation.map_or_else(|| limited_gains(100.0, 20.0, rate / 50.0), gains),
+                joints: s.joints.map_or_else(|| limited_gains(25.0, 10.0, rate / 100.0), gains),
                 offset: s.offset.into(),
                 approach: s.approach,
                 friction: s.friction,
@@ -48,7 +48,7 @@ pub(super) fn balance(
             Box::new(ForceBalance::new("balance", model, soles, settings, changes.collect()))
         }
         BalanceControl::Position => {
-            planned::plannable(run, path, "a foot", planned_robot::check(model), errors)?;
+            planned::require_plannable(run, path, "a foot", planned_robot::check(model), errors)?;
             let s = &spec.position;
             let mut mobility = vec![0.0; model.nj()];
             planned_robot::carrying_joints(model).into_iter().for_each(|j| mobility[j] = 1.0);
@@ -88,10 +88,11 @@ pub(super) fn balance(
     Some(task)
 }
 
-/// Default gains with a damping of at most `most`. Efforts are constant between ticks, so stronger damping would oscillate.
-/// The stiffness is reduced with the damping, so that the gains stay critically damped or better.
-fn held(kp: f64, kd: f64, most: f64) -> Gains {
-    let kd = kd.min(most);
+/// Default gains with a damping of at most `max_damping`. Efforts are constant between ticks, so
+/// stronger damping would oscillate. The stiffness is reduced with the damping, so that the gains
+/// stay critically damped or better.
+fn limited_gains(kp: f64, kd: f64, max_damping: f64) -> Gains {
+    let kd = kd.min(max_damping);
     Gains { kp: kp.min(0.25 * kd * kd), kd }
 }
 
@@ -103,7 +104,7 @@ pub(super) fn gravity_compensation(
     spec: &GravityCompensationTask,
     errors: &mut Vec<Diagnostic>,
 ) -> Box<dyn Task> {
-    let soles = footing(run, model, path, spec.soles.as_deref(), errors);
+    let soles = supporting_soles(run, model, path, spec.soles.as_deref(), errors);
     let settings = Settings {
         duration: spec.duration.unwrap_or(f64::INFINITY),
         com: Gains::default(),
@@ -122,8 +123,9 @@ pub(super) fn gravity_compensation(
     Box::new(ForceBalance::new("gravity-compensation", model, soles, settings, changes.collect()))
 }
 
-/// The supporting soles of the entry at `path`. Unknown soles are errors, and so is a free robot without soles.
-fn footing(
+/// The supporting soles of the entry at `path`. Unknown soles are errors, and so is a free robot
+/// without soles.
+fn supporting_soles(
     run: &Run,
     model: &Model,
     path: &str,

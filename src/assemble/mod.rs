@@ -1,4 +1,8 @@
-//! Assembles a [`Setup`] from a scenario's run and a loaded robot: resolves names and reports what does not fit.
+//! Assembles a [`Setup`] from a scenario's run and a loaded robot: resolves names, and reports
+//! values that do not fit the robot.
+//!
+//! Imports: `text`, `integrate`, `random`, `robot`, `dynamics`, `motion`, `contact`, `collision`,
+//! `task`, `force`, `script`, `scenario`, `sim`, `log`. Used by: `batch`, `console`, `api`.
 
 mod balance;
 mod events;
@@ -9,7 +13,7 @@ mod names;
 mod pairing;
 mod planned;
 mod playback;
-mod script;
+mod script_setup;
 mod self_contact;
 mod sensors;
 mod start;
@@ -18,24 +22,24 @@ mod tasks;
 use crate::contact::model::problem::Tolerances;
 use crate::contact::model::state::SoleState;
 use crate::integrate::{BS23, DOPRI5, RK4};
-use crate::robot::{Model, Robot};
+use crate::robot::{Model, Robot, SoleId};
 use crate::scenario::{
     Diagnostic, Diagnostics, EventHandling, FloorSpec, IntegratorMethod, IntegratorSpec, JointLimits, PatchSpec, Run,
 };
 use crate::sim::Floor;
 use crate::sim::floor::Patch;
 use crate::sim::setup::{ContactSetup, Forced, IntegratorSetup, Setup};
-use crate::text::suggest;
 use nalgebra::{Rotation3, Vector3};
 use std::sync::Arc;
 
 /// Builds the setup of a run.
 ///
 /// # Errors
-/// Each joint, link, sole or value of the scenario that does not fit the robot, with its position in the file.
+/// Each joint, link, sole or value of the scenario that does not fit the robot, with its position
+/// in the file.
 pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     let (mut notes, mut errors) = (Vec::new(), Vec::new());
-    let model = model::adjusted(run, robot, &mut errors);
+    let model = model::adjusted_model(run, robot, &mut errors);
     let s = &run.scenario;
     let floor = floor(run, &mut errors);
     let start = start::start(run, &model, &floor, &mut errors);
@@ -60,12 +64,12 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     let estimator = sensors::estimator(run, &model, &mut errors);
     pairing::check(run, &mut errors);
     pairing::check_soles(run, &model, &mut errors);
-    facets(run, &model, &mut errors);
-    // What is wrong at the start would be reported again for each event.
+    check_facets(run, &model, &mut errors);
+    // Errors at the start would be reported again for each event.
     let (events, saved_states) =
         if errors.is_empty() { events::changes(run, robot, &model, &mut errors) } else { Default::default() };
     if !errors.is_empty() {
-        return Err(Diagnostics(names::first(errors)));
+        return Err(Diagnostics(names::limit_errors(errors)));
     }
     Ok(Setup {
         events,
@@ -103,26 +107,27 @@ fn floor(run: &Run, errors: &mut Vec<Diagnostic>) -> Floor {
         mu_k: spec.friction.kinetic,
         patches: patches(spec),
     };
-    if !floor.patches.is_empty() && floor.rotation[(2, 2)].abs() < STEEPEST {
-        let message = "`floor.patches` are seen from above, and this floor is vertical: see `floor.rpy`";
+    if !floor.patches.is_empty() && floor.rotation[(2, 2)].abs() < MIN_TILT_COSINE {
+        let message = "`floor.patches` are projected vertically, but this floor is vertical: see `floor.rpy`";
         errors.push(run.error_at("floor.patches", message, None));
     }
     floor
 }
 
-/// Unknowns of a method's densest problem beyond which its matrix (8 bytes times their square) takes too much memory.
-const MOST_UNKNOWNS: usize = 4096;
+/// Greatest number of unknowns of a method's densest problem. Its matrix takes 8 bytes times their
+/// square.
+const MAX_UNKNOWNS: usize = 4096;
 
-/// Refuses more friction directions than memory holds.
-fn facets(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) {
+/// Refuses friction directions whose problem would take too much memory.
+fn check_facets(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) {
     let contact = &run.scenario.contact;
     let vertices = model.soles.iter().map(|s| s.vertices.len()).sum();
     let Some(unknowns) = contact.method.descriptor().unknowns else { return };
     let unknowns = unknowns(&contact.parameters(), vertices);
-    if unknowns > MOST_UNKNOWNS {
+    if unknowns > MAX_UNKNOWNS {
         let message = format!(
             "`contact.lcp.facets` = {} makes {unknowns} unknowns of the {vertices} vertices of the robot's soles; at \
-             most {MOST_UNKNOWNS} are allowed",
+             most {MAX_UNKNOWNS} are allowed",
             contact.lcp.facets
         );
         errors.push(run.error_at("contact.lcp.facets", message, None));
@@ -130,7 +135,7 @@ fn facets(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) {
 }
 
 /// Cosine of the tilt beyond which no point can be projected vertically onto the floor.
-const STEEPEST: f64 = 1e-6;
+const MIN_TILT_COSINE: f64 = 1e-6;
 
 fn patches(floor: &FloorSpec) -> Vec<Patch> {
     let patch = |p: &PatchSpec| Patch {
@@ -156,9 +161,10 @@ fn integrator(spec: &IntegratorSpec) -> IntegratorSetup {
     }
 }
 
-/// Slip speeds that the integrator cannot distinguish from rest: ten times its absolute tolerance; for steps h without control
-/// 1e3 h^4, the error of order 4 in velocities that change within some tenths of a second. Velocity-level steps
-/// resolve zero itself, because friction there is an impulse that may stop a vertex within the step.
+/// Slip speeds that the integrator cannot distinguish from rest: ten times its absolute tolerance;
+/// for steps h without control 1e3 h^4, the error of order 4 in velocities that change within some
+/// tenths of a second. Velocity-level steps resolve zero itself, because friction there is an
+/// impulse that may stop a vertex within the step.
 fn rest_speed(run: &Run) -> f64 {
     let spec = &run.scenario.integrator;
     let unresolved = match spec.method {
@@ -172,12 +178,8 @@ fn rest_speed(run: &Run) -> f64 {
 fn forced(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> Vec<Forced> {
     let mut forced = Vec::new();
     for (i, spec) in run.scenario.contact.forced.iter().enumerate() {
-        let Some(sole) = model.soles.iter().position(|s| s.name == spec.sole) else {
-            let help = suggest(&spec.sole, model.soles.iter().map(|s| s.name.as_str()).collect::<Vec<_>>());
-            let message = format!("the robot `{}` has no sole `{}`", model.name, spec.sole);
-            errors.push(run.error_at(&format!("contact.forced.{i}.sole"), message, Some(help)));
-            continue;
-        };
+        let path = format!("contact.forced.{i}.sole");
+        let Some(SoleId(sole)) = names::sole(model, run, &path, &spec.sole, errors) else { continue };
         let k = model.soles[sole].vertices.len();
         let Some(state) = SoleState::all(k).find(|s| s.to_string() == spec.state) else {
             let message = format!("sole `{}` with {k} vertices has no state `{}`", spec.sole, spec.state);

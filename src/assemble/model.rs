@@ -6,7 +6,7 @@ use crate::robot::{DriveMode, Model, Robot};
 use crate::scenario::{Diagnostic, JointMode, Run, SoleSpec, segment};
 
 /// The robot's model with the scenario's changes.
-pub(super) fn adjusted(run: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -> Model {
+pub(super) fn adjusted_model(run: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -> Model {
     let spec = &run.scenario.robot;
     let mut model = robot.model.clone();
     let default = DriveSettings {
@@ -31,11 +31,12 @@ pub(super) fn adjusted(run: &Run, robot: &Robot, errors: &mut Vec<Diagnostic>) -
             slip_velocity: joint.friction.and_then(|f| f.slip_velocity),
             stop: joint.stop.map(|s| (s.stiffness, s.damping)),
         };
-        // What a joint that no robot file configures leaves open is the default's, key by key as in a robot file.
-        let open = model.joint(name).is_some_and(|j| !model.joints[j.0].drive_configured);
+        // A joint that no robot file configures takes missing keys from the default, as in a robot
+        // file.
+        let is_unconfigured = model.joint(name).is_some_and(|j| !model.joints[j.0].drive_configured);
         let gains = own.kp.or(own.kd).is_some();
         let settings = match default.mode {
-            _ if !open => own,
+            _ if !is_unconfigured => own,
             // Gains imply a drive.
             Some(DriveMode::Passive) if gains => own.or(DriveSettings { mode: Some(DriveMode::Position), ..default }),
             _ => own.or(default),

@@ -5,14 +5,14 @@ use crate::scenario::{BalanceControl, Diagnostic, ForceSpec, JointLimits, Run, T
 use crate::text::suggest;
 use nalgebra::Isometry3;
 
-/// Most errors reported for one run.
-pub(super) const MOST_ERRORS: usize = 50;
+/// Greatest number of errors reported for one run.
+pub(super) const MAX_ERRORS: usize = 50;
 
 /// The first errors, and the number of others.
-pub(super) fn first(mut errors: Vec<Diagnostic>) -> Vec<Diagnostic> {
-    if errors.len() > MOST_ERRORS {
-        let more = format!("there are {} more errors", errors.len() - MOST_ERRORS);
-        errors.truncate(MOST_ERRORS);
+pub(super) fn limit_errors(mut errors: Vec<Diagnostic>) -> Vec<Diagnostic> {
+    if errors.len() > MAX_ERRORS {
+        let more = format!("there are {} more errors", errors.len() - MAX_ERRORS);
+        errors.truncate(MAX_ERRORS);
         let file = errors[0].file.clone();
         errors.push(Diagnostic::whole_file(file, more));
     }
@@ -41,8 +41,9 @@ pub(super) fn joints<'a>(
     found
 }
 
-/// Refuses positions outside a joint's range, at `key`: `what` reaches from `low` to `high`.
-pub(super) fn in_range(
+/// Refuses positions from `low` to `high` outside a joint's range, with an error at `key`; `what`
+/// names them.
+pub(super) fn check_range(
     run: &Run,
     model: &Model,
     key: &str,
@@ -65,27 +66,27 @@ pub(super) fn in_range(
     }
 }
 
-/// Notes joints that tasks command to positions but whose drives do not follow positions.
-pub(super) fn heard(run: &Run, model: &Model, path: &str, joints: &[JointId], notes: &mut Vec<String>) {
+/// Notes joints that a task commands to positions but whose drives do not follow positions.
+pub(super) fn note_ignored_commands(run: &Run, model: &Model, path: &str, joints: &[JointId], notes: &mut Vec<String>) {
     let commands = |task: &TaskSpec| match task {
         TaskSpec::Script(_) => true,
         TaskSpec::Balance(balance) => balance.control == BalanceControl::Force,
         _ => false,
     };
-    let sprung = run.scenario.task.iter().any(commands);
+    let has_effort_task = run.scenario.task.iter().any(commands);
     for &JointId(j) in joints {
         let joint = &model.joints[j];
-        let word = match joint.drive.mode {
+        let mode = match joint.drive.mode {
             DriveMode::Passive => "passive",
-            DriveMode::Force if !sprung => "force",
+            DriveMode::Force if !has_effort_task => "force",
             _ => continue,
         };
-        notes.push(format!("{path}: `{}` is in mode `{word}` and does not follow positions", joint.name));
+        notes.push(format!("{path}: `{}` is in mode `{mode}` and does not follow positions", joint.name));
     }
 }
 
-/// The link named at `path`, with the pose of its URDF frame in the carrying link's internal frame; an unknown one
-/// is an error there.
+/// The link named at `path`, with the pose of its URDF frame in the carrying link's internal frame;
+/// an unknown one is an error there.
 pub(super) fn link(
     model: &Model,
     run: &Run,
@@ -102,8 +103,8 @@ pub(super) fn link(
     found
 }
 
-/// The frame in which a force acts.
-pub(super) struct Held {
+/// The frame in which a force acts on the robot.
+pub(super) struct GripFrame {
     /// Name of its link or end effector.
     pub name: String,
     /// The carrying link.
@@ -112,12 +113,19 @@ pub(super) struct Held {
     pub pose: Isometry3<f64>,
 }
 
-/// The frame of the link or end effector that the force entry `i` names; an unknown one is an error at its position.
-pub(super) fn held(model: &Model, run: &Run, i: usize, spec: &ForceSpec, errors: &mut Vec<Diagnostic>) -> Option<Held> {
+/// The frame of the link or end effector that the force entry `i` names; an unknown one is an error
+/// at its position.
+pub(super) fn grip_frame(
+    model: &Model,
+    run: &Run,
+    i: usize,
+    spec: &ForceSpec,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<GripFrame> {
     let grip = spec.grip()?;
     if let Some(name) = grip.link {
         let (link, pose) = moving_link(model, run, &format!("force.{i}.link"), name, errors)?;
-        return Some(Held { name: name.to_owned(), link, pose });
+        return Some(GripFrame { name: name.to_owned(), link, pose });
     }
     let name = grip.end_effector?;
     let found = model.end_effectors.iter().find(|e| e.name == name);
@@ -130,8 +138,8 @@ pub(super) fn held(model: &Model, run: &Run, i: usize, spec: &ForceSpec, errors:
         errors.push(run.error_at(&format!("force.{i}.end_effector"), message, Some(help)));
     }
     let found = found?;
-    moves(model, run, &format!("force.{i}.end_effector"), name, found.link, errors)?;
-    Some(Held { name: name.to_owned(), link: found.link, pose: found.pose })
+    require_moving(model, run, &format!("force.{i}.end_effector"), name, found.link, errors)?;
+    Some(GripFrame { name: name.to_owned(), link: found.link, pose: found.pose })
 }
 
 /// As [`link`], for links that a force can move: not a fixed root, nor a link welded to it.
@@ -143,12 +151,19 @@ pub(super) fn moving_link(
     errors: &mut Vec<Diagnostic>,
 ) -> Option<(LinkId, Isometry3<f64>)> {
     let found = link(model, run, path, name, errors)?;
-    moves(model, run, path, name, found.0, errors)?;
+    require_moving(model, run, path, name, found.0, errors)?;
     Some(found)
 }
 
-/// None, with an error at `path`, if the link that carries `name` is fixed.
-fn moves(model: &Model, run: &Run, path: &str, name: &str, link: LinkId, errors: &mut Vec<Diagnostic>) -> Option<()> {
+/// `None`, with an error at `path`, if the link that carries `name` is fixed.
+fn require_moving(
+    model: &Model,
+    run: &Run,
+    path: &str,
+    name: &str,
+    link: LinkId,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<()> {
     if model.base == Base::Fixed && link == LinkId(0) {
         let message = format!("`{name}` of the robot `{}` is fixed and cannot move", model.name);
         let names = crate::script::links(model).filter(|(_, id, _)| *id != LinkId(0)).map(|(name, ..)| name);
@@ -157,6 +172,17 @@ fn moves(model: &Model, run: &Run, path: &str, name: &str, link: LinkId, errors:
         return None;
     }
     Some(())
+}
+
+/// The sole named at `path`; an unknown one is an error there.
+pub(super) fn sole(model: &Model, run: &Run, path: &str, name: &str, errors: &mut Vec<Diagnostic>) -> Option<SoleId> {
+    let found = model.soles.iter().position(|s| s.name == name);
+    if found.is_none() {
+        let help = suggest(name, model.soles.iter().map(|s| s.name.as_str()));
+        let message = format!("the robot `{}` has no sole `{name}`", model.name);
+        errors.push(run.error_at(path, message, Some(help)));
+    }
+    found.map(SoleId)
 }
 
 /// Indices of named soles; unknown and repeated names are errors at their positions under `path`.
@@ -169,16 +195,12 @@ pub(super) fn soles(
 ) -> Vec<SoleId> {
     let mut found = Vec::new();
     for (i, name) in named.iter().enumerate() {
-        match model.soles.iter().position(|s| s.name == *name).map(SoleId) {
+        let path = format!("{path}.{i}");
+        match sole(model, run, &path, name, errors) {
             Some(id) if found.contains(&id) => {
-                errors.push(run.error_at(&format!("{path}.{i}"), format!("the sole `{name}` is named twice"), None));
+                errors.push(run.error_at(&path, format!("the sole `{name}` is named twice"), None));
             }
-            Some(id) => found.push(id),
-            None => {
-                let help = suggest(name, model.soles.iter().map(|s| s.name.as_str()));
-                let message = format!("the robot `{}` has no sole `{name}`", model.name);
-                errors.push(run.error_at(&format!("{path}.{i}"), message, Some(help)));
-            }
+            id => found.extend(id),
         }
     }
     found

@@ -1,5 +1,5 @@
-//! Which contact methods, integrators, restitution and imposed states go together. Methods state theirs in their
-//! [`MethodDescriptor`]:
+//! Checks that contact method, integrator, restitution and imposed states can be combined. The
+//! [`MethodDescriptor`] of each method gives its combinations:
 //!
 //! | | `dopri5` | `bs23` | `rk4` | `semi-implicit` | `restitution` | `forced` |
 //! |---|---|---|---|---|---|---|
@@ -15,7 +15,7 @@ use crate::scenario::{Diagnostic, IntegratorMethod, Run};
 /// Integrators of accelerations, which locate events.
 const EXPLICIT: &[IntegratorMethod] = &[IntegratorMethod::Dopri5, IntegratorMethod::Bs23, IntegratorMethod::Rk4];
 
-/// Finds combinations that do not work, each at its position in the file.
+/// Reports combinations that do not work, each at its position in the file.
 pub(super) fn check(run: &Run, errors: &mut Vec<Diagnostic>) {
     let contact = &run.scenario.contact;
     let (method, integrator) = (contact.method.name(), run.scenario.integrator.method);
@@ -25,7 +25,7 @@ pub(super) fn check(run: &Run, errors: &mut Vec<Diagnostic>) {
             "`contact.method` = \"{method}\" {reason} and does not run with `integrator.method` = \"{}\"",
             integrator.name()
         );
-        let help = format!("set `integrator.method` = {}", named(&[IntegratorMethod::SemiImplicit]));
+        let help = format!("set `integrator.method` = {}", quoted_names(&[IntegratorMethod::SemiImplicit]));
         errors.push(run.error_at("contact.method", message, Some(help)));
     }
     check_restitution(run, errors);
@@ -36,7 +36,8 @@ pub(super) fn check(run: &Run, errors: &mut Vec<Diagnostic>) {
     }
 }
 
-/// Finds a restitution that method and integrator do not support, in the scenario or set by an event.
+/// Reports a restitution, of the scenario or set by an event, that method and integrator do not
+/// support.
 pub(super) fn check_restitution(run: &Run, errors: &mut Vec<Diagnostic>) {
     let (contact, integrator) = (&run.scenario.contact, run.scenario.integrator.method);
     let bounces = contact.method.descriptor().restitution && EXPLICIT.contains(&integrator);
@@ -47,7 +48,7 @@ pub(super) fn check_restitution(run: &Run, errors: &mut Vec<Diagnostic>) {
             integrator.name()
         );
         let methods = with_method(|method| method.restitution);
-        let help = format!("it works with {methods} and integrator {}", named(EXPLICIT));
+        let help = format!("it works with {methods} and integrator {}", quoted_names(EXPLICIT));
         errors.push(run.error_at("contact.restitution", message, Some(help)));
     }
 }
@@ -76,13 +77,13 @@ pub(super) fn check_soles(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>
     }
 }
 
-/// Methods of which a condition holds, for messages.
+/// Names of the methods that satisfy a condition, for messages.
 fn with_method(holds: impl Fn(&MethodDescriptor) -> bool) -> String {
     let names: Vec<_> = METHODS.iter().filter(|m| holds(m)).map(|m| format!("\"{}\"", m.name)).collect();
-    let word = if names.len() == 1 { "method" } else { "methods" };
-    format!("{word} {}", names.join(" and "))
+    let noun = if names.len() == 1 { "method" } else { "methods" };
+    format!("{noun} {}", names.join(" and "))
 }
 
-fn named(integrators: &[IntegratorMethod]) -> String {
+fn quoted_names(integrators: &[IntegratorMethod]) -> String {
     integrators.iter().map(|i| format!("\"{}\"", i.name())).collect::<Vec<_>>().join(" or ")
 }

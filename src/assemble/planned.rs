@@ -1,5 +1,6 @@
 //! Creates the tasks that plan joint positions, `squat` and `walk`, from their entries.
 
+use crate::assemble::names;
 use crate::robot::Model;
 use crate::scenario::{Diagnostic, Run, SquatTask, WalkTask};
 use crate::task::Task;
@@ -7,9 +8,8 @@ use crate::task::gait::Stride;
 use crate::task::kinematic::{NotPlannable, planned_robot};
 use crate::task::squat::{Shape, Squat};
 use crate::task::walk::Walk;
-use crate::text::suggest;
 
-/// A squat of the entry at `path`; none, with an error, for an unsuitable robot.
+/// The squat of the entry at `path`; `None`, with an error, for an unsuitable robot.
 pub(super) fn squat(
     run: &Run,
     model: &Model,
@@ -17,12 +17,12 @@ pub(super) fn squat(
     spec: &SquatTask,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<Box<dyn Task>> {
-    plannable(run, path, "a foot", planned_robot::check(model), errors)?;
+    require_plannable(run, path, "a foot", planned_robot::check(model), errors)?;
     let shape = Shape { depth: spec.depth, period: spec.period, repetitions: spec.repetitions, settle: spec.settle };
     Some(Box::new(Squat::new(model, shape, spec.feed_forward)))
 }
 
-/// A walk, likewise.
+/// The walk of the entry at `path`; `None`, with an error, for an unsuitable robot.
 pub(super) fn walk(
     run: &Run,
     model: &Model,
@@ -30,10 +30,10 @@ pub(super) fn walk(
     spec: &WalkTask,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<Box<dyn Task>> {
-    plannable(run, path, "two feet", planned_robot::check_biped(model), errors)?;
+    require_plannable(run, path, "two feet", planned_robot::check_biped(model), errors)?;
     let first = match &spec.first {
         None => 0,
-        Some(name) => first_foot(run, model, path, name, errors)?,
+        Some(name) => names::sole(model, run, &format!("{path}.first"), name, errors)?.0,
     };
     let until = run.scenario.duration - spec.start;
     let stride = Stride {
@@ -48,8 +48,8 @@ pub(super) fn walk(
     Some(Box::new(Walk::new(model, stride, spec.com_height, spec.settle, spec.feed_forward, until)))
 }
 
-/// Reports why a robot cannot be planned.
-pub(super) fn plannable(
+/// `None`, with an error, if motions of the robot cannot be planned.
+pub(super) fn require_plannable(
     run: &Run,
     path: &str,
     feet: &str,
@@ -65,15 +65,4 @@ pub(super) fn plannable(
         return None;
     }
     Some(())
-}
-
-/// Index of the sole that swings first; an unknown name is an error.
-fn first_foot(run: &Run, model: &Model, path: &str, name: &str, errors: &mut Vec<Diagnostic>) -> Option<usize> {
-    let found = model.soles.iter().position(|s| s.name == name);
-    if found.is_none() {
-        let help = suggest(name, model.soles.iter().map(|s| s.name.as_str()));
-        let message = format!("the robot `{}` has no sole `{name}`", model.name);
-        errors.push(run.error_at(&format!("{path}.first"), message, Some(help)));
-    }
-    found
 }

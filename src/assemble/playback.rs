@@ -1,19 +1,21 @@
-//! Creates the task `playback`: reads the motion, checks it against the robot's joints and ranges, and fits curves.
+//! Creates the task `playback`: reads the motion, checks it against the robot's joints and ranges,
+//! and fits curves.
 
 use crate::assemble::names;
 use crate::log::Trajectory;
-use crate::motion::spline::{Ends, Spline};
+use crate::motion::spline::{EndConditions, Spline};
 use crate::motion::{Knot, Motion, MotionError, Track, columns, postures};
 use crate::robot::{Joint, JointId, JointKind, Model};
-use crate::scenario::{Diagnostic, Ends as EndsSpec, Input, JointLimits, PlaybackTask, Recorded, Run};
+use crate::scenario::{Diagnostic, Ends, Input, JointLimits, PlaybackTask, Recorded, Run};
 use crate::task::playback::Playback;
 use crate::text::suggest;
 use std::ops::Range;
 
-/// Fraction of a joint's range by which a curve may exceed it between knots, less than an end stop yields.
+/// Fraction of a joint's range by which a curve may exceed it between knots, less than an end stop
+/// yields.
 const OVERSHOOT: f64 = 1e-3;
 
-/// A motion file: the motion, and its text for excerpts in errors; a log has none.
+/// A motion file, with its text for excerpts in errors; a log has no text.
 struct Source<'a> {
     run: &'a Run,
     path: &'a str,
@@ -32,7 +34,7 @@ impl Source<'_> {
     }
 }
 
-/// The task at `path`; none with an error, which goes to `errors`.
+/// The task at `path`; `None` after an error, which goes to `errors`.
 pub(super) fn playback(
     run: &Run,
     model: &Model,
@@ -61,60 +63,60 @@ pub(super) fn playback(
             errors.push(run.error_at(&key, message, Some(help)));
         }
     }
-    let played = motion.tracks.iter().filter(|t| spec.joints.is_empty() || spec.joints.contains(&t.name));
+    let tracks = motion.tracks.iter().filter(|t| spec.joints.is_empty() || spec.joints.contains(&t.name));
     let mut joints = Vec::new();
-    for track in played {
+    for track in tracks {
         match curve(&source, model, spec, track, motion.span()?) {
             Ok(joint) => joints.push(joint),
             Err(error) => errors.push(*error),
         }
-        // Each shows the whole file.
-        if errors.len() > before + names::MOST_ERRORS {
+        // Each error contains the text of the file.
+        if errors.len() > before + names::MAX_ERRORS {
             break;
         }
     }
     let ids: Vec<_> = joints.iter().map(|(id, _)| *id).collect();
-    names::heard(run, model, path, &ids, notes);
+    names::note_ignored_commands(run, model, path, &ids, notes);
     let changes = spec.change.iter().map(|c| (c.at, c.speed)).collect();
     (errors.len() == before).then(|| Playback::new(joints, spec.speed, spec.repeat, spec.blend, changes))
 }
 
 /// True when the file has this extension.
-fn ends_in(input: &Input, ending: &str) -> bool {
-    input.path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending))
+pub(super) fn has_extension(input: &Input, extension: &str) -> bool {
+    input.path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
 /// The text of a file, unless it is a log.
 pub(super) fn text(input: &Input) -> Option<&str> {
-    if ends_in(input, "mcap") { None } else { std::str::from_utf8(&input.bytes).ok() }
+    if has_extension(input, "mcap") { None } else { std::str::from_utf8(&input.bytes).ok() }
 }
 
 /// An error in a text file, with its excerpt.
-pub(super) fn shown(input: &Input, text: &str, fault: MotionError) -> Diagnostic {
-    Diagnostic::in_text(&input.path.display().to_string(), text, fault.span, fault.message, fault.help)
+pub(super) fn file_error(input: &Input, text: &str, error: MotionError) -> Diagnostic {
+    Diagnostic::in_text(&input.path.display().to_string(), text, error.span, error.message, error.help)
 }
 
 fn read(source: &Source, recorded: Recorded) -> Result<Motion, Box<Diagnostic>> {
     let input = source.input;
-    if ends_in(input, "mcap") {
-        return logged(source, recorded);
+    if has_extension(input, "mcap") {
+        return logged_motion(source, recorded);
     }
     let Some(text) = source.text else {
         return Err(source.error(0..0, "the file is not UTF-8".into(), None));
     };
-    let read = if ends_in(input, "csv") { columns::read(text) } else { postures::read(text) };
-    read.map_err(|fault| Box::new(shown(input, text, fault)))
+    let read = if has_extension(input, "csv") { columns::read(text) } else { postures::read(text) };
+    read.map_err(|error| Box::new(file_error(input, text, error)))
 }
 
 /// The joints of a run's log.
-fn logged(source: &Source, recorded: Recorded) -> Result<Motion, Box<Diagnostic>> {
+fn logged_motion(source: &Source, recorded: Recorded) -> Result<Motion, Box<Diagnostic>> {
     let key = format!("{}.file", source.path);
-    let wrong = |message: String| Box::new(source.run.error_at(&key, message, None));
-    let log = Trajectory::from_bytes(&source.input.path, &source.input.bytes).map_err(|e| wrong(e.to_string()))?;
+    let error = |message: String| Box::new(source.run.error_at(&key, message, None));
+    let log = Trajectory::from_bytes(&source.input.path, &source.input.bytes).map_err(|e| error(e.to_string()))?;
     let name = source.input.path.display();
-    let motion = log.motion.ok_or_else(|| wrong(format!("{name}: the log has no topic `state`")))?;
+    let motion = log.motion.ok_or_else(|| error(format!("{name}: the log has no topic `state`")))?;
     if log.times.is_empty() || motion.joints.is_empty() {
-        return Err(wrong(format!("{name}: the log holds no joint positions")));
+        return Err(error(format!("{name}: the log holds no joint positions")));
     }
     let track = |joint: &crate::log::JointSeries| {
         let values = match recorded {
@@ -164,13 +166,13 @@ fn curve(
         }
     }
     let ends = match (spec.repeat, spec.ends.unwrap_or_default()) {
-        (true, _) => Ends::Periodic,
-        (false, EndsSpec::Natural) => Ends::Natural,
-        (false, EndsSpec::Clamped) => Ends::Clamped,
+        (true, _) => EndConditions::Periodic,
+        (false, Ends::Natural) => EndConditions::Natural,
+        (false, Ends::Clamped) => EndConditions::Clamped,
     };
     let (times, values): (Vec<f64>, Vec<f64>) = track.knots.iter().map(|k| (k.time, k.value)).unzip();
     let spline = Spline::new(times, &values, ends)
-        .map_err(|why| source.error(track.span.clone(), format!("`{name}`: {why}"), None))?;
+        .map_err(|error| source.error(track.span.clone(), format!("`{name}`: {error}"), None))?;
     let tolerance = OVERSHOOT * (upper - lower);
     if let Some((t, q)) = spline.extremes().into_iter().find(|(_, q)| *q < lower - tolerance || *q > upper + tolerance)
     {

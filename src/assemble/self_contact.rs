@@ -7,10 +7,12 @@ use crate::scenario::{Diagnostic, JointLimits, Run};
 use crate::sim::self_collision::SelfCollisionSetup;
 use crate::sim::setup::Start;
 
-/// Least control rate, Hz, at which kinematic joints follow their commands between ticks to some micrometres.
-const SLOWEST: f64 = 100.0;
+/// Least control rate, Hz, at which kinematic joints follow their commands between ticks to some
+/// micrometres.
+const MIN_RATE: f64 = 100.0;
 
-/// The collision settings of `[self_collision]`. With avoidance, a start too close to a collision is an error.
+/// The collision settings of `[self_collision]`. With avoidance, a start too close to a collision
+/// is an error.
 pub(super) fn self_contact(
     run: &Run,
     robot: &Robot,
@@ -28,18 +30,18 @@ pub(super) fn self_contact(
     if spec.method == 0 {
         return Some(setup);
     }
-    if run.scenario.control.rate < SLOWEST && model.joints.iter().any(|j| j.drive.mode == DriveMode::Kinematic) {
+    if run.scenario.control.rate < MIN_RATE && model.joints.iter().any(|j| j.drive.mode == DriveMode::Kinematic) {
         let rate = run.scenario.control.rate;
         notes.push(format!(
-            "`control.rate` = {rate} Hz: kinematic joints leave the commands of `self_collision` between ticks so far apart; at \
-             {SLOWEST} Hz or more they do not"
+            "`control.rate` = {rate} Hz: kinematic joints deviate from the commands of `self_collision` between such \
+             distant ticks; {MIN_RATE} Hz or more avoids this"
         ));
     }
-    let ignored = run.scenario.robot.joint_limits == JointLimits::Ignore;
+    let is_unlimited = run.scenario.robot.joint_limits == JointLimits::Ignore;
     // A joint that starts outside its range may stay there.
     let limit = |(joint, start): (&Joint, &f64)| {
         let limits = Limits::new(joint, spec.max_speed, spec.max_acceleration, spec.max_jerk);
-        let (lower, upper) = if ignored {
+        let (lower, upper) = if is_unlimited {
             (f64::NEG_INFINITY, f64::INFINITY)
         } else {
             (limits.lower.min(*start), limits.upper.max(*start))

@@ -1,5 +1,6 @@
 //! Creates the sensors and the estimator of a run.
 
+use crate::assemble::names;
 use crate::robot::{Base, Model};
 use crate::scenario::{AccelerationSource, Diagnostic, Estimator, OrientationError, Run, SensorError, SensorsSpec};
 use crate::sim::sensing::{ChannelError, EstimatorSetup, Imu, RotationError, SensorErrors};
@@ -27,12 +28,12 @@ pub(super) fn errors(spec: &SensorsSpec) -> Option<SensorErrors> {
     }
     let channel =
         |e: &SensorError| ChannelError { noise: e.noise, bias: e.bias, resolution: e.resolution, delay: e.delay };
-    let turn = |e: &OrientationError| RotationError { noise: e.noise, bias: e.bias.into(), delay: e.delay };
+    let rotation = |e: &OrientationError| RotationError { noise: e.noise, bias: e.bias.into(), delay: e.delay };
     Some(SensorErrors {
         joint_position: channel(&spec.joint_position),
         joint_velocity: channel(&spec.joint_velocity),
         joint_load: channel(&spec.joint_load),
-        orientation: turn(&spec.orientation),
+        orientation: rotation(&spec.orientation),
         gyroscope: channel(&spec.gyroscope),
         accelerometer: channel(&spec.accelerometer),
         sole_force: channel(&spec.sole_force),
@@ -50,19 +51,14 @@ pub(super) fn estimator(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) 
     match control.estimator {
         Estimator::Truth => EstimatorSetup::Truth,
         Estimator::Kinematic => {
-            let names = || model.soles.iter().map(|s| s.name.as_str());
             for (i, name) in control.kinematic.static_soles.iter().flatten().enumerate() {
-                if !names().any(|n| n == name) {
-                    let message = format!("the robot `{}` has no sole `{name}`", model.name);
-                    let path = format!("control.kinematic.static_soles.{i}");
-                    errors.push(run.error_at(&path, message, Some(suggest(name, names()))));
-                }
+                names::sole(model, run, &format!("control.kinematic.static_soles.{i}"), name, errors);
             }
             let weight = model.mass() * nalgebra::Vector3::from(run.scenario.gravity).norm();
-            let imposed = |list: &Vec<String>| names().map(|n| list.iter().any(|l| l == n)).collect();
+            let is_listed = |list: &Vec<String>| model.soles.iter().map(|s| list.contains(&s.name)).collect();
             EstimatorSetup::Kinematic {
                 load: control.kinematic.threshold * weight,
-                soles: control.kinematic.static_soles.as_ref().map(imposed),
+                soles: control.kinematic.static_soles.as_ref().map(is_listed),
             }
         }
         Estimator::Inertial => {

@@ -1,7 +1,7 @@
 //! The initial state of the robot.
 
-use crate::assemble::STEEPEST;
-use crate::assemble::names::{in_range, joints};
+use crate::assemble::MIN_TILT_COSINE;
+use crate::assemble::names::{check_range, joints};
 use crate::dynamics::{State, Workspace, kinematics};
 use crate::robot::{Base, Model};
 use crate::scenario::{Diagnostic, Run};
@@ -9,14 +9,14 @@ use crate::sim::Floor;
 use crate::sim::setup::Start;
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// Initial state. Without a base position the robot stands above the world's origin, its lowest sole vertex on the
-/// floor.
+/// Initial state. Without a base position the robot stands above the world's origin, its lowest
+/// sole vertex on the floor.
 pub(super) fn start(run: &Run, model: &Model, floor: &Floor, errors: &mut Vec<Diagnostic>) -> Start {
     let spec = &run.scenario.robot;
     let mut state = State::home(model);
     for (id, q) in joints(model, run, "robot.posture", spec.posture.iter(), errors) {
         let key = format!("robot.posture.{}", model.joints[id.0].name);
-        in_range(run, model, &key, id, ("the initial posture", q, q), errors);
+        check_range(run, model, &key, id, ("the initial posture", q, q), errors);
         state.joints[id.0] = q;
     }
     let nb = model.nb();
@@ -32,7 +32,7 @@ pub(super) fn start(run: &Run, model: &Model, floor: &Floor, errors: &mut Vec<Di
     state.position = match spec.base.position {
         Some(p) => p.into(),
         None if model.base == Base::Fixed => Vector3::zeros(),
-        None if floor.rotation[(2, 2)].abs() < STEEPEST => {
+        None if floor.rotation[(2, 2)].abs() < MIN_TILT_COSINE => {
             let message = "the robot cannot start above this floor, which is vertical: see `floor.rpy`";
             let help = "give `base.position` in `[robot]`".to_owned();
             errors.push(run.error_at("floor.rpy", message, Some(help)));

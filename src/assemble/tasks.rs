@@ -1,6 +1,6 @@
 //! Creates the tasks of the task server from their entries.
 
-use crate::assemble::{balance, mocap, names, planned, playback, script};
+use crate::assemble::{balance, mocap, names, planned, playback, script_setup};
 use crate::robot::{JointId, Model};
 use crate::scenario::{Diagnostic, JointLimits, Run, SineTask, TaskSpec};
 use crate::sim::setup::Start;
@@ -27,10 +27,10 @@ pub(super) fn tasks(
                 let targets = names::joints(model, run, &format!("{path}.joints"), posture.joints.iter(), errors);
                 for &(id, q) in &targets {
                     let key = format!("{path}.joints.{}", model.joints[id.0].name);
-                    names::in_range(run, model, &key, id, ("the goal", q, q), errors);
+                    names::check_range(run, model, &key, id, ("the goal", q, q), errors);
                 }
                 let joints: Vec<_> = targets.iter().map(|t| t.0).collect();
-                names::heard(run, model, &path, &joints, notes);
+                names::note_ignored_commands(run, model, &path, &joints, notes);
                 (posture.start, Some(Box::new(Posture::new(targets, posture.duration))))
             }
             TaskSpec::Sine(spec) => (spec.start, Some(Box::new(sine(run, model, &path, spec, notes, errors)))),
@@ -46,11 +46,11 @@ pub(super) fn tasks(
             TaskSpec::GravityCompensation(spec) => {
                 (spec.start, Some(balance::gravity_compensation(run, model, &path, spec, errors)))
             }
-            TaskSpec::Script(spec) => (spec.start, script::task(run, model, i, spec, errors)),
+            TaskSpec::Script(spec) => (spec.start, script_setup::task(run, model, i, spec, errors)),
             TaskSpec::Squat(spec) => (spec.start, planned::squat(run, model, &path, spec, errors)),
             TaskSpec::Walk(spec) => (spec.start, planned::walk(run, model, &path, spec, errors)),
         };
-        // One that could not be made has left an error.
+        // A task that cannot be created has reported an error.
         if let Some(task) = task {
             server.add(start, task);
         }
@@ -75,8 +75,8 @@ fn sine(
         (id, swing)
     });
     let ids: Vec<_> = known().map(|(_, id, _)| id).collect();
-    names::heard(run, model, path, &ids, notes);
-    known().for_each(|(name, id, _)| swings(run, model, (path, name), id, spec, (notes, errors)));
+    names::note_ignored_commands(run, model, path, &ids, notes);
+    known().for_each(|(name, id, _)| check_oscillation(run, model, (path, name), id, spec, (notes, errors)));
     let change = |(number, name): (usize, &String), change: &crate::scenario::SineChange| {
         let new = change.joints.get(name)?;
         Some(SwingChange { joint: number, amplitude: new.amplitude, frequency: new.frequency, offset: new.offset })
@@ -89,9 +89,10 @@ fn sine(
     Sine::new(joints.collect(), spec.duration.unwrap_or(f64::INFINITY), spec.ramp, changes.collect(), limited)
 }
 
-/// Refuses oscillations beyond a joint's range, before and after changes, and notes frequencies that are too high for the
-/// control rate. Between two sets of parameters amplitude and middle change together, so no transition exceeds both.
-fn swings(
+/// Refuses oscillations beyond a joint's range, before and after changes, and notes frequencies
+/// that are too high for the control rate. Amplitude and middle change together between two sets of
+/// parameters, so transitions need no check of their own.
+fn check_oscillation(
     run: &Run,
     model: &Model,
     (path, name): (&str, &str),
@@ -111,9 +112,16 @@ fn swings(
     }
     let half = 0.5 * run.scenario.control.rate;
     for (key, amplitude, offset, frequency) in stages {
-        // Where the middle is known only when the task begins, the range must at least be wide enough.
+        // If the middle is known only when the task begins, the range must be wide enough.
         let middle = offset.unwrap_or(0.5 * (joint.lower + joint.upper));
-        names::in_range(run, model, &key, id, ("the oscillation of", middle - amplitude, middle + amplitude), errors);
+        names::check_range(
+            run,
+            model,
+            &key,
+            id,
+            ("the oscillation of", middle - amplitude, middle + amplitude),
+            errors,
+        );
         if let Some(f) = frequency.filter(|f| f.abs() >= half) {
             notes
                 .push(format!("{key}: {f} Hz is not below half of `control.rate`, {half} Hz: ticks cannot resolve it"));

@@ -1,17 +1,20 @@
 //! Runs many simulations in parallel: plan, execution, expectations, progress, results.
 //!
 //! ```text
-//! files -> prepare -> Plan of Jobs -> workers (a pool of threads) -> Events -> dispatcher -> rows, progress, summary
-//!                                  -> repetitions (one thread, for timing) ->
+//! files -> prepare -> Plan -> workers (a pool of threads)      -> Events -> dispatcher -> results
+//!                          -> repetitions (one thread, timing) ->
 //! ```
 //!
-//! [`prepare`] checks everything before anything runs. [`Batch::run`] runs the jobs. Worker threads simulate and write the
-//! files of their runs; the dispatcher alone prints, appends to `runs.jsonl` and collects the rows in the order of the plan.
-//! Imports everything below it, `log`, `report`, `results` and `remote` included; `cli`, `replay`, `submit`, `console` and
-//! `live` use it. It knows live clients by the trait [`LiveClients`] only.
+//! [`prepare`] checks everything before anything runs. [`Batch::run`] runs the jobs. Worker threads
+//! simulate and write the files of their runs; the dispatcher alone prints, appends to `runs.jsonl`
+//! and collects the rows in the order of the plan. It knows live clients by the trait
+//! [`LiveClients`] only.
+//!
+//! Imports: `text`, `geometry`, `files`, `robot`, `contact`, `script`, `scenario`, `sim`, `log`,
+//! `assemble`, `results`, `report`, `remote`. Used by: `replay`, `console`, `api`, `cli`.
 
+mod batch_error;
 mod dispatch;
-mod error;
 mod filter;
 mod message;
 mod options;
@@ -22,10 +25,10 @@ mod run;
 mod runner;
 
 pub use crate::text::Severity;
+pub use batch_error::BatchError;
 pub use dispatch::cancellation::{Cancellation, Reason};
 pub use dispatch::listener::{Listener, NoListener};
 pub use dispatch::progress::Progress;
-pub use error::BatchError;
 pub use filter::{Filter, Selection};
 pub use message::junit::{Junit, is_slow};
 pub use message::{
@@ -36,13 +39,13 @@ pub use options::Options;
 pub use plan::batch_plan::{Job, Plan, Role};
 pub use plan::finding::{Finding, Findings};
 pub use plan::planner::{prepare, prepare_file};
-pub use plan::shard::{Part, Shard};
+pub use plan::shard::{Part, Shard, ShardError};
 pub use report::{Finished, Report};
 pub use resume::resumed::{Rerun, Resumed};
-pub use run::job_run::RunEnd;
 pub use run::live_clients::LiveClients;
 pub use run::outputs::{Body, RunOutputs, Track};
 pub use run::plausibility::marks_implausible;
+pub use run::run_end::RunEnd;
 pub(crate) use run::simulate::{open_log_of, topics};
 pub use run::simulate::{simulate, simulate_with_clients, simulate_with_command_source};
 pub use runner::{Batch, Interrupter};

@@ -13,19 +13,19 @@ pub struct Options {
     pub output: PathBuf,
     /// Threads, at least 1.
     pub jobs: usize,
-    /// Write `log.mcap` where the scenario requests one?
+    /// True writes `log.mcap` where the scenario requests one.
     pub log: bool,
     /// Wall-clock limit of each run.
     pub timeout: Option<Duration>,
-    /// Start no more runs once so many failed or did not finish; none: start all.
+    /// Number of unaccepted runs after which no more runs start; none: start all.
     pub max_fail: Option<NonZero<usize>>,
     /// Wall-clock time after which an active run is reported as slow.
     pub slow: Option<Duration>,
     /// Contact problems to write below each run's folder.
     pub problems: Problems,
-    /// Repeat runs for timing where their scenarios request it?
+    /// True repeats runs for timing where their scenarios request it.
     pub timing: bool,
-    /// Skip runs whose results exist?
+    /// True skips runs whose results exist.
     pub resume: bool,
 }
 

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::batch::Job;
 use crate::results::{RunStatistics, SummaryFiles, SummaryRow};
 use crate::sim::Outcome;
 
@@ -14,8 +15,17 @@ pub struct Finished {
     pub notes: Vec<String>,
     /// Its row of the summary.
     pub row: SummaryRow,
-    /// It ended as it should: `passed`, `fallen` with every expectation held, or in the way that an expectation names.
+    /// True if it ended as expected: `passed`, `fallen` with every expectation held, or in the way
+    /// that an expectation names.
     pub accepted: bool,
+}
+
+impl Finished {
+    /// True if this run of `job` needs more repetitions for timing.
+    pub(in crate::batch) fn needs_repetitions(&self, job: &Job) -> bool {
+        let whole = matches!(self.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen);
+        whole && job.repetitions() > self.row.repeats.map_or(0, |repeats| repeats.count)
+    }
 }
 
 /// Outcome of a batch.
@@ -26,15 +36,16 @@ pub struct Report {
     /// Finished runs in the order of the plan; if there are more than
     /// [`SAMPLE_SIZE`](crate::results::SAMPLE_SIZE), the first refused and the first other ones.
     pub finished: Vec<Finished>,
-    /// Number of finished runs that did not end as they should, failed expectations excluded.
+    /// Number of finished runs that were not accepted, failed expectations excluded.
     pub unfinished: usize,
     /// Number of finished runs with a failed expectation.
     pub failed: usize,
-    /// Finished reference runs, in the order in which they are first needed; they have no row in the summary.
+    /// Finished reference runs, in the order in which they are first needed; they have no row in
+    /// the summary.
     pub references: Vec<Finished>,
     /// Runs that were never started.
     pub not_started: usize,
-    /// Was it interrupted?
+    /// True if it was interrupted.
     pub interrupted: bool,
     /// The summary's files; none when no run finished.
     pub summary: Option<SummaryFiles>,
@@ -45,14 +56,14 @@ pub struct Report {
 }
 
 impl Report {
-    /// Did some run not reach its end, other than as expected?
+    /// True if some run did not reach its end, other than as expected.
     pub fn has_unfinished(&self) -> bool {
         let mut refused = self.references.iter().filter(|f| !f.accepted);
         self.unfinished > 0
             || refused.any(|f| !matches!(f.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen))
     }
 
-    /// Did an expectation not hold?
+    /// True if an expectation did not hold.
     pub fn has_failed(&self) -> bool {
         self.failed > 0
     }

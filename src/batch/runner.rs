@@ -12,7 +12,7 @@ use crate::batch::dispatch::schedule::Schedule;
 use crate::batch::dispatch::{repetitions, workers};
 use crate::batch::resume::resumed;
 use crate::batch::{BatchError, Body, Finished, Listener, NoListener, Options, Plan, Progress, Report, Resumed};
-use crate::files::{RecordError, confined, names, remove_partial};
+use crate::files::{RecordError, confined, if_present, names, remove_partial};
 use crate::report::{Pictured, ReportRun, write_report_of};
 use crate::results::{Machine, PROGRAM, RunStatistics, RunsLog, write_summary_of};
 
@@ -24,7 +24,7 @@ pub struct Interrupter(Sender<Event>);
 impl Interrupter {
     /// Sends an interruption.
     pub fn interrupt(&self) {
-        // A batch that is over has nothing left to interrupt.
+        // A finished batch no longer receives events.
         let _ = self.0.send(Event::Interrupt);
     }
 }
@@ -45,12 +45,12 @@ impl Batch {
     /// # Errors
     /// The folder cannot be created or written, or another program is writing there.
     pub fn new(plan: Plan, options: Options) -> Result<Self, BatchError> {
-        if plan.visits() > 1 {
-            return Err(BatchError::Robots(plan.visits()));
+        if plan.remote_runs() > 1 {
+            return Err(BatchError::RemoteRuns(plan.remote_runs()));
         }
         let refused = |source| BatchError::Output { folder: options.output.clone(), source };
         std::fs::create_dir_all(&options.output).map_err(refused)?;
-        // The summary is written last, so an unwritable folder must be detected now.
+        // The summary is written last, so an unwritable folder is detected now.
         tempfile::tempfile_in(&options.output).map_err(refused)?;
         let runs_log_path = options.output.join(names::RUNS_LOG);
         let mut runs_log = RunsLog::append(&runs_log_path)?;
@@ -66,12 +66,7 @@ impl Batch {
         remove_partial(&options.output);
         for name in names::BATCH_OUTPUTS {
             let path = options.output.join(name);
-            match std::fs::remove_file(&path) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                    return Err(RecordError::io(&path)(error).into());
-                }
-                _ => {}
-            }
+            if_present(std::fs::remove_file(&path)).map_err(RecordError::io(&path))?;
         }
         if let Some(part) = &plan.part {
             part.head.write(&options.output, plan.shard_runs())?;
@@ -79,9 +74,9 @@ impl Batch {
         let resumed = if options.resume { resumed::find_results(&plan, &options) } else { Resumed::default() };
         if resumed.runs() > 0 {
             // The program may have been killed between writing a record and its line.
-            let told = RunsLog::logged(&runs_log_path)?;
+            let logged = RunsLog::logged(&runs_log_path)?;
             for index in resumed.finished.positions() {
-                if !told.contains(plan.scenario(index), &plan.key(index)) {
+                if !logged.contains(plan.scenario(index), &plan.key(index)) {
                     runs_log.push(&resumed.finished.row(index, &plan, &options.output)?)?;
                 }
             }
@@ -102,7 +97,8 @@ impl Batch {
     /// Runs all jobs with `body` (normally [`super::simulate`]) and summarises finished runs.
     ///
     /// # Errors
-    /// Threads cannot be started, or a file of the batch cannot be written. Runs that finished keep their records.
+    /// Threads cannot be started, or a file of the batch cannot be written. Runs that finished keep
+    /// their records.
     pub fn run(self, progress: Progress, body: &Body<'_>) -> Result<Report, BatchError> {
         self.run_with_listener(progress, &mut NoListener, body)
     }
@@ -126,7 +122,7 @@ impl Batch {
         let (plan, output) = (&self.plan, &self.options.output);
         if listener.is_active() {
             for (store, job) in self.resumed.all(plan) {
-                listener.kept(&job, &store.finished(&job, output)?);
+                listener.resumed(&job, &store.finished(&job, output)?);
             }
         }
         let schedule = Schedule::new(plan, &self.resumed);
@@ -135,10 +131,10 @@ impl Batch {
         std::thread::scope(|scope| {
             scope.spawn(|| workers::work(&pool, &self.plan, &self.options, &schedule, &gate, &sender, body));
             dispatcher.receive(&inbox);
-            let again = dispatcher.take_repeats();
-            if !again.is_empty() {
+            let to_repeat = dispatcher.take_repeats();
+            if !to_repeat.is_empty() {
                 let (plan, gate, sender) = (&self.plan, &gate, &sender);
-                scope.spawn(move || repetitions::repeat(plan, &again, gate, sender));
+                scope.spawn(move || repetitions::repeat(plan, &to_repeat, gate, sender));
                 dispatcher.receive(&inbox);
             }
         });
@@ -147,7 +143,7 @@ impl Batch {
         let summary = if store.count == 0 { None } else { Some(write_summary_of(output, &rows)?) };
         let (count, statistics) = (store.count, rows.statistics.into_inner().unwrap_or_default());
         let (unfinished, failed) = (store.unfinished, store.failed);
-        let (finished, references) = (store.into_kept(), references.into_kept());
+        let (finished, references) = (store.into_sample(), references.into_sample());
         let page = if count == 0 { None } else { Some(write_page(output, &finished, &statistics, &references)?) };
         Ok(Report {
             not_started: self.plan.runs() - count,

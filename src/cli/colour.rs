@@ -9,7 +9,7 @@ use clap::ValueEnum;
 /// When output has colours.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Colour {
-    /// On a terminal; NO_COLOR and CLICOLOR_FORCE are heeded
+    /// On a terminal; respects NO_COLOR and CLICOLOR_FORCE
     Auto,
     /// Always
     Always,
@@ -20,7 +20,7 @@ pub enum Colour {
 /// Sets the choice for the whole program before parsing, so that usage errors have colours too.
 pub fn decide(typed: impl Iterator<Item = OsString>) {
     let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
-    let choice = match asked_for(typed) {
+    let choice = match last_choice(typed) {
         Colour::Always => ColorChoice::Always,
         Colour::Never => ColorChoice::Never,
         Colour::Auto if set("NO_COLOR").is_some() => ColorChoice::Never,
@@ -40,8 +40,8 @@ pub fn on_stderr() -> bool {
 }
 
 /// The last valid `--color` before `--`; the parser reports invalid values.
-fn asked_for(typed: impl Iterator<Item = OsString>) -> Colour {
-    let mut asked = Colour::Auto;
+fn last_choice(typed: impl Iterator<Item = OsString>) -> Colour {
+    let mut choice = Colour::Auto;
     let mut typed = typed.map(|word| word.to_string_lossy().into_owned()).take_while(|word| word != "--");
     while let Some(word) = typed.next() {
         let value = match word.strip_prefix("--color") {
@@ -49,9 +49,9 @@ fn asked_for(typed: impl Iterator<Item = OsString>) -> Colour {
             Some(rest) => rest.strip_prefix('=').map(str::to_owned),
             None => None,
         };
-        asked = value.and_then(|value| Colour::from_str(&value, false).ok()).unwrap_or(asked);
+        choice = value.and_then(|value| Colour::from_str(&value, false).ok()).unwrap_or(choice);
     }
-    asked
+    choice
 }
 
 #[cfg(test)]
@@ -60,13 +60,13 @@ mod tests {
 
     #[test]
     fn the_option_is_found_wherever_it_stands() {
-        let asked = |typed: &str| asked_for(typed.split(' ').map(OsString::from));
-        assert_eq!(asked("runner a.toml"), Colour::Auto);
-        assert_eq!(asked("runner a.toml --color never"), Colour::Never);
-        assert_eq!(asked("runner check --color=always a.toml"), Colour::Always);
-        assert_eq!(asked("runner --color=always --color never a.toml"), Colour::Never);
-        assert_eq!(asked("runner --color"), Colour::Auto);
-        assert_eq!(asked("runner --colour=never --color=blue"), Colour::Auto);
-        assert_eq!(asked("runner -- --color=never"), Colour::Auto);
+        let choice = |typed: &str| last_choice(typed.split(' ').map(OsString::from));
+        assert_eq!(choice("runner a.toml"), Colour::Auto);
+        assert_eq!(choice("runner a.toml --color never"), Colour::Never);
+        assert_eq!(choice("runner check --color=always a.toml"), Colour::Always);
+        assert_eq!(choice("runner --color=always --color never a.toml"), Colour::Never);
+        assert_eq!(choice("runner --color"), Colour::Auto);
+        assert_eq!(choice("runner --colour=never --color=blue"), Colour::Auto);
+        assert_eq!(choice("runner -- --color=never"), Colour::Auto);
     }
 }

@@ -1,36 +1,25 @@
-//! Command line of `runner`: one file per command.
+//! Command line of `runner`: `commands/` has one file per command, `arguments/` what commands
+//! share.
+//!
+//! Imports: `text`, `files`, `robot`, `collision`, `scenario`, `sim`, `log`, `results`, `report`,
+//! `export`, `remote`, `live`, `batch`, `replay`, `view`, `submit`, `console`, `schema_page`. Used
+//! by: the program.
 
-mod check;
+mod arguments;
 mod colour;
-mod compare;
-mod completions;
-mod console;
-mod each;
+mod commands;
 mod exit;
-mod export;
-mod inputs;
-mod inspect;
-mod list;
-mod live;
-mod machine;
-mod man;
-mod merge;
-mod motor_server;
-mod numbers;
-mod prepare;
-mod replay;
-mod report;
-mod run;
-mod schema;
 mod signals;
-mod submit;
 mod terminal;
-mod view;
 
 use std::io::Write;
 
 use clap::{Parser, Subcommand};
 
+use commands::{
+    check, compare, completions, console, export, inspect, list, man, merge, motor_server, replay, report, run, schema,
+    submit, view,
+};
 pub use exit::Exit;
 
 /// Run scenarios of legged-robot contact: exact Coulomb friction against faster methods.
@@ -44,7 +33,7 @@ pub struct Arguments {
     command: Option<Command>,
     #[command(flatten)]
     run: run::Run,
-    /// When errors and help have colours
+    /// Whether errors and help have colours
     // `colour` reads it before parsing; here it is only checked and described.
     #[arg(long, global = true, value_enum, value_name = "WHEN", default_value_t = colour::Colour::Auto)]
     color: colour::Colour,
@@ -55,43 +44,43 @@ pub fn decide_colours() {
     colour::decide(std::env::args_os().skip(1));
 }
 
-/// What can be done.
+/// Commands.
 #[derive(Subcommand, Debug)]
 pub enum Command {
-    /// Simulate scenarios, judge them, leave logs and a summary
+    /// Simulate scenarios, evaluate expectations, write logs and a summary
     #[command(after_help = exit::help("run"))]
     Run(run::Run),
-    /// Validate scenarios and robots and expand sweeps; step nothing, write nothing
+    /// Validate scenarios and robots and expand sweeps; simulate nothing, write nothing
     #[command(after_help = exit::help("check"))]
     Check(check::Check),
     /// Show the runs that scenarios expand to, with their keys
     #[command(after_help = exit::help("list"))]
     List(list::List),
-    /// Describe a robot: degrees of freedom, masses, joints, soles, what was ignored
+    /// Describe a robot: degrees of freedom, masses, joints, soles, ignored elements
     #[command(after_help = exit::help("inspect"))]
     Inspect(inspect::Inspect),
-    /// Write summary and report.html anew from the records of a folder of results
+    /// Rewrite summary and report.html from the records in a folder of results
     #[command(after_help = exit::help("report"))]
     Report(report::Report),
-    /// Put the results of shards together to those of one batch
+    /// Merge the results of shards into those of one batch
     #[command(after_help = exit::help("merge"))]
     Merge(merge::Merge),
-    /// Share a batch out as jobs of a cluster, merged when they have ended
+    /// Run a batch as a cluster job array and merge its results
     #[command(after_help = submit::help())]
     Submit(submit::Submit),
-    /// Say what differs between two results
+    /// Report differences between two results
     #[command(after_help = exit::help("compare"))]
     Compare(compare::Compare),
     /// Write a log's time series as CSV, Parquet or columns of text
     #[command(after_help = exit::help("export"))]
     Export(export::Export),
-    /// Run again from records and compare bit for bit
+    /// Re-run from records and compare bit for bit
     #[command(after_help = exit::help("replay"))]
     Replay(replay::Replay),
-    /// Be the robot of tasks that run somewhere else, over UDP
+    /// Simulate the robot for tasks in another process, over UDP
     #[command(after_help = exit::help("motor-server"))]
     MotorServer(motor_server::Server),
-    /// Simulate a scenario step by step, change it and ask about it while it goes on
+    /// Simulate a scenario interactively: step it, change it and inspect it
     #[command(after_help = exit::help("console"))]
     Console(console::Console),
     /// Play a run's log in three dimensions in the browser
@@ -111,9 +100,9 @@ pub enum Command {
 impl Arguments {
     /// Parses the command line. After help, version or a usage error, returns the exit code.
     pub fn typed() -> Result<Self, Exit> {
-        Self::try_parse().map_err(|told| {
-            let outcome = told.print().and_then(|()| std::io::stdout().flush());
-            match told.use_stderr() {
+        Self::try_parse().map_err(|error| {
+            let outcome = error.print().and_then(|()| std::io::stdout().flush());
+            match error.use_stderr() {
                 true => Exit::Invalid,
                 false => terminal::written(outcome).err().unwrap_or(Exit::Success),
             }

@@ -3,14 +3,14 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::Exit;
-use super::terminal::complain;
+use crate::cli::Exit;
+use crate::cli::terminal::complain;
 
 /// Exit code of the first signal, once one arrived.
 #[derive(Clone, Default)]
-pub struct Asked(Arc<OnceLock<Exit>>);
+pub struct FirstSignal(Arc<OnceLock<Exit>>);
 
-impl Asked {
+impl FirstSignal {
     /// Exit code of the first signal.
     pub fn exit(&self) -> Exit {
         self.0.get().copied().unwrap_or(Exit::Interrupted)
@@ -18,23 +18,23 @@ impl Asked {
 }
 
 /// Calls `act` on each signal. Warns of a signal that cannot be handled and so ends the program.
-pub fn when_asked_to_end(act: impl Fn(Exit) + Clone + Send + 'static) -> Asked {
-    let asked = Asked::default();
-    let hear = |exit: Exit| {
-        let (first, act) = (asked.0.clone(), act.clone());
+pub fn on_termination_signal(act: impl Fn(Exit) + Clone + Send + 'static) -> FirstSignal {
+    let first_signal = FirstSignal::default();
+    let handler = |exit: Exit| {
+        let (first, act) = (first_signal.0.clone(), act.clone());
         move || {
             let exit = *first.get_or_init(|| exit);
             act(exit);
         }
     };
-    if let Err(error) = ctrlc::set_handler(hear(Exit::Interrupted)) {
+    if let Err(error) = ctrlc::set_handler(handler(Exit::Interrupted)) {
         complain(&format!("warning: Ctrl-C will end the program at once: {error}"));
     }
     #[cfg(unix)]
-    if let Err(error) = terminated(hear(Exit::Terminated)) {
+    if let Err(error) = terminated(handler(Exit::Terminated)) {
         complain(&format!("warning: SIGTERM will end the program at once: {error}"));
     }
-    asked
+    first_signal
 }
 
 /// Calls `act` at each SIGTERM, on a thread of its own.

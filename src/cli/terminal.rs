@@ -6,9 +6,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use stiction::batch::{Findings, Severity};
 use stiction::scenario::Diagnostic;
+pub use stiction::text::plural::plural;
 use stiction::text::visible::visible_lines;
 
-use super::{Exit, colour};
+use crate::cli::{Exit, colour};
 
 /// Width of tables where there is no terminal, in characters.
 const WIDTH: usize = 1000;
@@ -72,9 +73,9 @@ pub fn show(findings: &Findings, least: Severity, mut notes: usize) {
     }
     let counts =
         [(Severity::Error, "error"), (Severity::Warning, "warning")].map(|(s, word)| (findings.count(s), word));
-    let words: Vec<String> = counts.iter().filter(|(n, _)| *n > 0).map(|(n, word)| plural(*n, word)).collect();
-    if !words.is_empty() {
-        complain(&words.join(", "));
+    let parts: Vec<String> = counts.iter().filter(|(n, _)| *n > 0).map(|(n, word)| plural(*n, word)).collect();
+    if !parts.is_empty() {
+        complain(&parts.join(", "));
     }
 }
 
@@ -82,11 +83,6 @@ pub fn show(findings: &Findings, least: Severity, mut notes: usize) {
 pub fn width() -> usize {
     let set = std::env::var("COLUMNS").ok().and_then(|columns| columns.parse().ok()).filter(|columns| *columns > 0);
     set.or_else(|| terminal_size::terminal_size().map(|(width, _)| usize::from(width.0))).unwrap_or(WIDTH)
-}
-
-/// `1 run`, `2 runs`
-pub fn plural(n: usize, word: &str) -> String {
-    if n == 1 { format!("1 {word}") } else { format!("{n} {word}s") }
 }
 
 /// `3 runs`, `3 runs and 1 reference run`

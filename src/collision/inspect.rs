@@ -1,4 +1,4 @@
-//! The part of `runner inspect` about self-collision.
+//! Self-collision section of `runner inspect`.
 
 use std::fmt::Write;
 

@@ -11,7 +11,7 @@ type Entry = Arc<Mutex<Option<Weak<CollisionModel>>>>;
 
 static MODELS: LazyLock<Mutex<HashMap<[u8; 32], Entry>>> = LazyLock::new(Mutex::default);
 
-/// The collision model of a robot: that of an earlier call for equal shapes, joints and settings,
+/// The collision model of a robot: that of an earlier call with equal shapes, joints and settings
 /// if it is still in use.
 pub fn shared_model(model: &Model, settings: &SelfCollision) -> Arc<CollisionModel> {
     let entry = {
@@ -23,9 +23,9 @@ pub fn shared_model(model: &Model, settings: &SelfCollision) -> Arc<CollisionMod
     if let Some(found) = entry.as_ref().and_then(Weak::upgrade) {
         return found;
     }
-    let made = Arc::new(CollisionModel::new(model, settings));
-    *entry = Some(Arc::downgrade(&made));
-    made
+    let built = Arc::new(CollisionModel::new(model, settings));
+    *entry = Some(Arc::downgrade(&built));
+    built
 }
 
 /// Hash of everything that a collision model depends on.

@@ -5,14 +5,14 @@ use crate::console::ConsoleError;
 /// Arguments of a line, consumed from the front.
 #[derive(Debug)]
 pub struct Arguments {
-    words: Vec<String>,
+    arguments: Vec<String>,
     next: usize,
 }
 
 impl Arguments {
     /// Splits a line.
     pub fn of(line: &str) -> Result<Self, ConsoleError> {
-        let (mut words, mut word) = (Vec::new(), String::new());
+        let (mut arguments, mut argument) = (Vec::new(), String::new());
         let (mut quote, mut open): (Option<char>, Vec<char>) = (None, Vec::new());
         let mut escaped = false;
         // Skip a byte order mark.
@@ -20,54 +20,54 @@ impl Arguments {
             match (quote, c) {
                 (Some('"'), '\\') if !escaped => {
                     escaped = true;
-                    word.push(c);
+                    argument.push(c);
                     continue;
                 }
                 (Some(q), _) if c == q && !escaped => quote = None,
                 (Some(_), _) => {}
                 (None, '"' | '\'') => quote = Some(c),
-                (None, '#') if word.is_empty() => break,
+                (None, '#') if argument.is_empty() => break,
                 (None, '[' | '{') => open.push(if c == '[' { ']' } else { '}' }),
                 (None, ']' | '}') if open.pop() != Some(c) => {
-                    return Err(ConsoleError::usage(format!("`{c}` closes nothing that was opened")));
+                    return Err(ConsoleError::usage(format!("`{c}` has no opening bracket")));
                 }
                 (None, _) if c.is_whitespace() && open.is_empty() => {
-                    if !word.is_empty() {
-                        words.push(std::mem::take(&mut word));
+                    if !argument.is_empty() {
+                        arguments.push(std::mem::take(&mut argument));
                     }
                     continue;
                 }
                 _ => {}
             }
             escaped = false;
-            word.push(c);
+            argument.push(c);
         }
         if let Some(missing) = quote.or(open.pop()) {
             return Err(ConsoleError::usage(format!("`{missing}` is missing at the end")));
         }
-        if !word.is_empty() {
-            words.push(word);
+        if !argument.is_empty() {
+            arguments.push(argument);
         }
-        Ok(Arguments { words, next: 0 })
+        Ok(Arguments { arguments, next: 0 })
     }
 
     /// Takes the next argument, without its quotes if they enclose all of it.
     pub fn next(&mut self) -> Option<&str> {
-        let word = self.words.get(self.next)?;
+        let argument = self.arguments.get(self.next)?;
         self.next += 1;
-        Some(unquoted(word))
+        Some(unquoted(argument))
     }
 
     /// The next argument, not consumed.
     pub fn peek(&self) -> Option<&str> {
-        self.words.get(self.next).map(|word| unquoted(word))
+        self.arguments.get(self.next).map(|argument| unquoted(argument))
     }
 
-    /// Takes the next argument if it equals `word`.
-    pub fn take(&mut self, word: &str) -> bool {
-        let is = self.peek() == Some(word);
-        self.next += usize::from(is);
-        is
+    /// Takes the next argument if it equals `keyword`.
+    pub fn take(&mut self, keyword: &str) -> bool {
+        let found = self.peek() == Some(keyword);
+        self.next += usize::from(found);
+        found
     }
 
     /// Takes the next argument, named `what` in the error text.
@@ -77,8 +77,8 @@ impl Arguments {
 
     /// Takes the next argument, a finite number.
     pub fn number(&mut self, what: &str) -> Result<f64, ConsoleError> {
-        let word = self.need(what)?;
-        number(word).ok_or_else(|| ConsoleError::usage(format!("{what} must be a number, not `{word}`")))
+        let text = self.need(what)?;
+        number(text).ok_or_else(|| ConsoleError::usage(format!("{what} must be a number, not `{text}`")))
     }
 
     /// Takes the next argument if it is a finite number.
@@ -95,41 +95,41 @@ impl Arguments {
 
     /// Takes the remaining arguments, with their quotes.
     pub fn rest(&mut self) -> Vec<String> {
-        let rest = self.words[self.next..].to_vec();
-        self.next = self.words.len();
+        let rest = self.arguments[self.next..].to_vec();
+        self.next = self.arguments.len();
         rest
     }
 
-    /// Takes the remaining arguments as `KEY=VALUE`: dotted keys and TOML values; a value that is not TOML
-    /// is a string.
+    /// Takes the remaining arguments as `KEY=VALUE`: dotted keys and TOML values; a value that is
+    /// not TOML is a string.
     pub fn assignments(&mut self) -> Result<Vec<(String, toml::Value)>, ConsoleError> {
-        let read = |word: String| crate::scenario::parse_override(&word).map_err(ConsoleError::usage);
-        self.rest().into_iter().map(read).collect()
+        let parse = |text: String| crate::scenario::parse_override(&text).map_err(ConsoleError::usage);
+        self.rest().into_iter().map(parse).collect()
     }
 
     /// Error if arguments remain.
     pub fn done(&mut self) -> Result<(), ConsoleError> {
         match self.next() {
             None => Ok(()),
-            Some(word) => Err(ConsoleError::usage(format!("`{word}` is more than is wanted"))),
+            Some(argument) => Err(ConsoleError::usage(format!("unexpected argument `{argument}`"))),
         }
     }
 }
 
-fn number(word: &str) -> Option<f64> {
-    word.parse().ok().filter(|number: &f64| number.is_finite())
+fn number(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
-/// Removes quotes that enclose all of a word.
-fn unquoted(word: &str) -> &str {
-    let quoted = |q: char| word.strip_prefix(q).and_then(|rest| rest.strip_suffix(q));
+/// Removes quotes that enclose a whole argument.
+fn unquoted(argument: &str) -> &str {
+    let quoted = |q: char| argument.strip_prefix(q).and_then(|rest| rest.strip_suffix(q));
     let whole = |inner: &&str| !inner.contains(['"', '\'']);
-    quoted('"').or_else(|| quoted('\'')).filter(whole).unwrap_or(word)
+    quoted('"').or_else(|| quoted('\'')).filter(whole).unwrap_or(argument)
 }
 
 /// Segments of a dotted TOML key.
 pub fn segments(key: &str) -> Result<Vec<String>, ConsoleError> {
-    let wrong = || ConsoleError::usage(format!("`{key}` is no dotted key"));
+    let wrong = || ConsoleError::usage(format!("`{key}` is not a dotted key"));
     let mut table = format!("{key} = 0").parse::<toml::Table>().map_err(|_| wrong())?;
     let mut segments = Vec::new();
     loop {
@@ -146,19 +146,19 @@ pub fn segments(key: &str) -> Result<Vec<String>, ConsoleError> {
 mod tests {
     use super::*;
 
-    fn words(line: &str) -> Vec<String> {
+    fn split(line: &str) -> Vec<String> {
         Arguments::of(line).unwrap().rest()
     }
 
     #[test]
     fn blanks_in_quotes_and_brackets_do_not_split_arguments() {
-        assert_eq!(words("  set a=1\tb = # 2"), ["set", "a=1", "b", "="]);
+        assert_eq!(split("  set a=1\tb = # 2"), ["set", "a=1", "b", "="]);
         assert_eq!(
-            words("start sine joints={ a = { amplitude = 1 } } x"),
+            split("start sine joints={ a = { amplitude = 1 } } x"),
             ["start", "sine", "joints={ a = { amplitude = 1 } }", "x"]
         );
-        assert_eq!(words(r#"load "a b#c.mcap" 'it"s'"#), ["load", "\"a b#c.mcap\"", "'it\"s'"]);
-        assert_eq!(words(r#"x="a \" b" y"#), [r#"x="a \" b""#, "y"]);
+        assert_eq!(split(r#"load "a b#c.mcap" 'it"s'"#), ["load", "\"a b#c.mcap\"", "'it\"s'"]);
+        assert_eq!(split(r#"x="a \" b" y"#), [r#"x="a \" b""#, "y"]);
         assert!(Arguments::of("a [1, 2").is_err() && Arguments::of("a }").is_err() && Arguments::of("\"a").is_err());
     }
 

@@ -1,7 +1,7 @@
-//! Log displayed by queries: the present state, or an instant of a recording. The present is written as
-//! a log too, so that columns are those of `runner export`.
+//! Log displayed by queries: the present state, or an instant of a recording. The present is
+//! written as a log too, so that columns are those of `runner export`.
 
-use crate::console::error::ConsoleError;
+use crate::console::console_error::ConsoleError;
 use crate::console::session::{Session, simulation};
 use crate::console::session_observer::SessionObserver;
 use crate::dynamics::State;
@@ -35,34 +35,35 @@ impl Session {
         Ok(Trajectory::read(&path)?)
     }
 
-    /// Snapshot of the present. Contact states are selected when a run begins, and before that any value
-    /// may still be edited; so before the first step a copy of the simulation is begun and inspected.
+    /// Snapshot of the present. Contact states are selected when a run begins, and before that any
+    /// value may still be edited; so before the first step a copy of the simulation is begun and
+    /// inspected.
     pub(super) fn present_snapshot(&mut self) -> Result<Snapshot, ConsoleError> {
         if self.simulation.has_begun() {
-            return Ok(self.simulation.inspect());
+            return Ok(self.simulation.snapshot());
         }
         let mut begun = simulation(&self.document, &self.run, &self.robot)?;
-        begun.begin(&mut SessionObserver::default()).map_err(|stop| ConsoleError::Over { time: 0.0, stop })?;
-        Ok(begun.inspect())
+        begun.begin(&mut SessionObserver::default()).map_err(|error| ConsoleError::Terminated { time: 0.0, error })?;
+        Ok(begun.snapshot())
     }
 
-    /// Names and values of columns at the displayed instant, by names and patterns; without names all.
+    /// Names and values of columns at the displayed instant, by names and patterns; all columns
+    /// without names.
     pub(super) fn displayed_columns(&mut self, names: &[String]) -> Result<Vec<(String, String)>, ConsoleError> {
         self.with_displayed_log(|_, log, tick| columns_at(log, tick, names))
     }
 
     /// Value of one column as a number.
     pub(super) fn displayed_value(&mut self, name: &str) -> Result<Option<f64>, ConsoleError> {
-        let time = |log: &Trajectory, tick: usize| log.times[tick];
         let names = [name.to_owned()];
         self.with_displayed_log(|_, log, tick| {
-            let at = Some(time(log, tick));
+            let at = Some(log.times[tick]);
             let table = export::series(log, &Selection { columns: names.to_vec(), rate: None, from: at, to: at })?;
             match table.columns().iter().find(|(found, _)| found == name).map(|(_, values)| values) {
                 Some(Values::Real(values)) => Ok(values.first().copied().flatten()),
                 Some(Values::Flag(values)) => Ok(values.first().map(|flag| f64::from(u8::from(*flag)))),
-                Some(Values::Text(_)) => Err(ConsoleError::usage(format!("`{name}` is a word, no number"))),
-                None => Err(ConsoleError::usage(format!("one column is wanted, and `{name}` is a pattern"))),
+                Some(Values::Text(_)) => Err(ConsoleError::usage(format!("`{name}` is text, not a number"))),
+                None => Err(ConsoleError::usage(format!("expected one column, found the pattern `{name}`"))),
             }
         })
     }
@@ -88,7 +89,7 @@ pub fn digits(x: f64) -> String {
 
 /// Motion of a log; an error if the log has none.
 pub fn motion(log: &Trajectory) -> Result<&Motion, ConsoleError> {
-    log.motion.as_ref().ok_or_else(|| ConsoleError::usage("the recording holds no motion: its topics lack \"state\""))
+    log.motion.as_ref().ok_or_else(|| ConsoleError::usage("the recording has no motion: its topics lack \"state\""))
 }
 
 /// Robot state at an instant of a log, without actuator states.

@@ -1,46 +1,38 @@
-//! Command `play`: prints columns of a recording line by line, at a chosen speed.
+//! Clock of a playback: the times at which its lines are due.
 
 use std::time::{Duration, Instant};
-
-use crate::console::arguments::Arguments;
-use crate::console::cursor::Cursor;
-use crate::console::displayed_log::columns_at;
-use crate::console::error::ConsoleError;
-use crate::console::session::Session;
-
-/// Columns shown by default.
-const DEFAULT_COLUMNS: [&str; 4] = ["base_x_m", "base_z_m", "base_pitch_rad", "sole.*.state"];
 
 /// State of a playback.
 #[derive(Clone, Debug)]
 pub struct Player {
-    columns: Vec<String>,
+    /// Names and patterns of the columns that are printed.
+    pub columns: Vec<String>,
     /// Recorded seconds per second; negative: backwards; `None`: without waiting.
-    speed: Option<f64>,
+    pub speed: Option<f64>,
     /// Recorded time between lines, s.
-    period: f64,
+    pub period: f64,
     /// Recorded time, s, and wall time at the start.
-    start: (f64, Instant),
+    pub start: (f64, Instant),
     /// Recorded time of the end, s.
-    to: f64,
+    pub to: f64,
     /// Number of lines shown.
-    lines: u64,
+    pub lines: u64,
 }
 
 impl Player {
     /// The recorded time of the next line, s.
-    fn next(&self) -> f64 {
+    pub fn next(&self) -> f64 {
         let elapsed = self.lines as f64 * self.period;
         self.start.0 + if self.backwards() { -elapsed } else { elapsed }
     }
 
-    /// Does the recorded time decrease?
+    /// True if the recorded time decreases.
     fn backwards(&self) -> bool {
         self.speed.is_some_and(|speed| speed < 0.0) || self.to < self.start.0
     }
 
-    /// Is the end passed?
-    fn finished(&self) -> bool {
+    /// True once the end is passed.
+    pub fn finished(&self) -> bool {
         let next = self.next();
         if self.backwards() { next < self.to - 1e-9 } else { next > self.to + 1e-9 }
     }
@@ -50,76 +42,5 @@ impl Player {
         let Some(speed) = self.speed else { return Duration::ZERO };
         let at = (self.next() - self.start.0).abs() / speed.abs();
         Duration::try_from_secs_f64(at).unwrap_or(Duration::MAX).saturating_sub(self.start.1.elapsed())
-    }
-}
-
-impl Session {
-    /// `play [SPEED|free] [COLUMN ...] [rate=HZ] [from=S] [to=S]`
-    pub(super) fn play(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {
-        self.hold();
-        let mut speed = Some(1.0);
-        if args.take("free") {
-            speed = None;
-        } else if let Some(number) = args.some_number() {
-            if number == 0.0 {
-                return Err(ConsoleError::usage("at speed 0 nothing would move: `jump` shows an instant"));
-            }
-            speed = Some(number);
-        }
-        let (mut columns, mut rate, mut from, mut to) = (Vec::new(), 10.0, None, None);
-        for word in args.rest() {
-            let Some((key, value)) = word.split_once('=') else {
-                columns.push(word);
-                continue;
-            };
-            let number = value.parse().ok().filter(|x: &f64| x.is_finite());
-            let number =
-                number.ok_or_else(|| ConsoleError::usage(format!("`{key}` must be a number, not `{value}`")))?;
-            match key {
-                "rate" if number > 0.0 => rate = number,
-                "rate" => return Err(ConsoleError::usage("`rate` must be above 0")),
-                "from" => from = Some(number),
-                "to" => to = Some(number),
-                _ => return Err(ConsoleError::usage(format!("`{key}` is none of rate, from, to"))),
-            }
-        }
-        let backwards = speed.is_some_and(|speed| speed < 0.0);
-        let at = self.cursor.map(|cursor| cursor.time);
-        let recording = self.finished_recording()?;
-        let (first, last) = recording.span();
-        let (start, end) = if backwards { (last, first) } else { (first, last) };
-        // Start at the cursor, unless playback would end there immediately.
-        let from = from.or(at.filter(|at| (at - end).abs() > 1e-9)).unwrap_or(start).clamp(first, last);
-        let to = to.unwrap_or(end).clamp(first, last);
-        if columns.is_empty() {
-            columns = DEFAULT_COLUMNS.map(str::to_owned).to_vec();
-        }
-        // Check the column names before any output.
-        let names: Vec<String> = columns_at(&recording.log, 0, &columns)?.into_iter().map(|(name, _)| name).collect();
-        if backwards && to > from || !backwards && to < from {
-            return Err(ConsoleError::usage(format!("from {from} s to {to} s is the other way round")));
-        }
-        self.player = Some(Player { columns, speed, period: 1.0 / rate, start: (from, Instant::now()), to, lines: 0 });
-        Ok(names.join(" ") + "\n")
-    }
-
-    /// Shows the lines that are due.
-    pub(super) fn continue_playback(&mut self, show: &mut dyn FnMut(&str)) -> Result<(), ConsoleError> {
-        let begun = Instant::now();
-        while let (Some(player), Some(recording)) = (&mut self.player, &self.recording) {
-            if player.finished() {
-                self.player = None;
-                break;
-            }
-            if !player.due().is_zero() || begun.elapsed() > Duration::from_millis(20) {
-                break;
-            }
-            let cursor = Cursor::at(&recording.log, player.next());
-            player.lines += 1;
-            let values = columns_at(&recording.log, cursor.tick, &player.columns)?;
-            show(&(values.into_iter().map(|(_, value)| value).collect::<Vec<_>>().join(" ") + "\n"));
-            self.cursor = Some(cursor);
-        }
-        Ok(())
     }
 }

@@ -6,12 +6,12 @@ use toml::{Table, Value};
 
 use crate::console::ConsoleError;
 use crate::console::arguments::segments;
-use crate::files::{Made, RecordError, SESSION, write_named};
+use crate::files::{OutputKind, RecordError, SESSION, write_named};
 use crate::scenario::{self, Diagnostics, Run};
 use std::io::Write;
 
 /// Keys of a batch, and rules that would end a session; removed from the scenario.
-const NOT_OF_A_SESSION: [&str; 4] = ["sweep", "compare", "expect", "stop"];
+const REMOVED_KEYS: [&str; 4] = ["sweep", "compare", "expect", "stop"];
 
 /// Lists whose entries have a path in the key `file`.
 const FILES: [&str; 2] = ["task", "force"];
@@ -27,10 +27,10 @@ pub struct ScenarioDocument {
 impl ScenarioDocument {
     /// Scenario of a session from that of a run, with the longest duration `end`, s.
     pub fn of(run: &Run, end: f64) -> Self {
-        let mut table = run.written();
-        NOT_OF_A_SESSION.iter().for_each(|key| drop(table.remove(*key)));
+        let mut table = run.written_values();
+        REMOVED_KEYS.iter().for_each(|key| drop(table.remove(*key)));
         table.insert("duration".into(), Value::Float(end));
-        // A repetition has a seed of its own.
+        // Each repetition has its own seed.
         table.insert("seed".into(), Value::Integer(i64::try_from(run.scenario.seed).unwrap_or(i64::MAX)));
         let mut document = ScenarioDocument { table, file: run.file.clone() };
         let control = document.table.entry("control").or_insert_with(|| Value::Table(Table::new()));
@@ -73,7 +73,7 @@ impl ScenarioDocument {
 
     /// Reads the document as a scenario and returns its run.
     pub fn run(&self) -> Result<Run, ConsoleError> {
-        let wrong = |found| self.wrong(found);
+        let wrong = |found| self.scenario_error(found);
         let file = scenario::parse(&self.file, self.text()).map_err(wrong)?;
         let expansion = file.expansion(&[], 1).map_err(wrong)?;
         let mut only = None;
@@ -81,8 +81,9 @@ impl ScenarioDocument {
         only.ok_or_else(|| ConsoleError::usage("the scenario has no run"))
     }
 
-    /// Attributes diagnostics of the scenario file to the session, whose text differs from the file.
-    pub fn wrong(&self, mut found: Diagnostics) -> ConsoleError {
+    /// Attributes diagnostics of the scenario file to the session, whose text differs from the
+    /// file.
+    pub fn scenario_error(&self, mut found: Diagnostics) -> ConsoleError {
         let file = self.file.display().to_string();
         found.0.iter_mut().filter(|one| one.file == file).for_each(|one| one.file = "session".to_owned());
         ConsoleError::Scenario(found)
@@ -95,8 +96,8 @@ impl ScenarioDocument {
         let (from, to) = (folder(&self.file), folder(path));
         std::fs::create_dir_all(&to).map_err(|source| ConsoleError::Io { path: to.clone(), source })?;
         let rebase = |value: Option<&mut Value>| {
-            if let Some(Value::String(written)) = value {
-                *written = rebased(&from, &to, written);
+            if let Some(Value::String(path)) = value {
+                *path = rebased(&from, &to, path);
             }
         };
         if let Some(Value::Table(robot)) = saved.table.get_mut("robot") {
@@ -107,8 +108,8 @@ impl ScenarioDocument {
             saved.list(list).iter_mut().for_each(|entry| rebase(entry.get_mut("file")));
         }
         let name = self.file.file_name().unwrap_or_default().to_string_lossy();
-        let text = format!("{SESSION} that began with {name}.\n\n{}", saved.text());
-        write_named(path, Made::Session, |out| out.write_all(text.as_bytes()).map_err(RecordError::io(path)))?;
+        let text = format!("{SESSION} that started from {name}.\n\n{}", saved.text());
+        write_named(path, OutputKind::Session, |out| out.write_all(text.as_bytes()).map_err(RecordError::io(path)))?;
         Ok(())
     }
 }
@@ -121,7 +122,7 @@ pub fn put(table: &mut Table, key: &str, value: Value) -> Result<(), ConsoleErro
     for segment in segments {
         let inner = table.entry(segment.clone()).or_insert_with(|| Value::Table(Table::new()));
         let Value::Table(inner) = inner else {
-            return Err(ConsoleError::usage(format!("`{key}`: `{segment}` is no table")));
+            return Err(ConsoleError::usage(format!("`{key}`: `{segment}` is not a table")));
         };
         table = inner;
     }

@@ -1,4 +1,5 @@
-//! Session: keeps a scenario document and its simulation consistent under edits, `undo` and `reset`.
+//! Session: keeps a scenario document and its simulation consistent under edits, `undo` and
+//! `reset`.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -11,13 +12,11 @@ use tempfile::TempDir;
 
 use crate::assemble::setup;
 use crate::batch::{Job, LiveClients};
-use crate::console::arguments::Arguments;
-use crate::console::commands::{COMMANDS, find};
+use crate::console::console_error::ConsoleError;
 use crate::console::cursor::Cursor;
-use crate::console::error::ConsoleError;
 use crate::console::player::Player;
-use crate::console::recording_commands::Recording;
-use crate::console::run_control::Goal;
+use crate::console::recording::Recording;
+use crate::console::run_goal::RunGoal;
 use crate::console::scenario_document::ScenarioDocument;
 use crate::console::session_observer::SessionObserver;
 use crate::robot::{Model, Robot};
@@ -26,13 +25,14 @@ use crate::sim::{Observer, Outcome, RunError, SimEvent, Simulation};
 
 /// A console session.
 ///
-/// [`execute`](Self::execute) executes a line. Runs and playback then advance by [`work`](Self::work),
-/// which the caller calls as long as [`due`](Self::due) returns a waiting time.
+/// [`execute`](Self::execute) executes a line. Runs and playback then advance by
+/// [`work`](Self::work), which the caller calls as long as [`due`](Self::due) returns a waiting
+/// time.
 pub struct Session {
     pub(super) document: ScenarioDocument,
     /// Initial document, for `reset`.
     initial: ScenarioDocument,
-    /// ScenarioDocument before each edit, and the time of the edit, s; for `undo`.
+    /// Document before each edit, and the time of the edit, s; for `undo`.
     history: Vec<(ScenarioDocument, f64)>,
     pub(super) robot: Arc<Robot>,
     pub(super) run: Run,
@@ -41,13 +41,13 @@ pub struct Session {
     /// Cause of the run's early termination.
     pub(super) termination: Option<RunError>,
     /// Target of the active run.
-    pub(super) goal: Option<Goal>,
+    pub(super) goal: Option<RunGoal>,
     /// Simulated seconds per second; `None`: as fast as possible.
     pub(super) pace: Option<f64>,
     /// Wall time and simulated time, s, when the pace was set or the run started.
     pub(super) clock: Option<(Instant, f64)>,
     pub(super) player: Option<Player>,
-    /// Last recording made or loaded, and the instant of it that queries show.
+    /// Last recording, recorded or loaded, and its instant that queries show.
     pub(super) recording: Option<Recording>,
     pub(super) cursor: Option<Cursor>,
     /// Temporary folder of recordings that are not saved.
@@ -60,7 +60,7 @@ pub struct Session {
     arrivals: u64,
     /// Notes already shown.
     shown_notes: BTreeSet<String>,
-    /// Has `quit` been executed?
+    /// True once `quit` is executed.
     quit: bool,
 }
 
@@ -72,7 +72,7 @@ impl Session {
     /// The robot is that of a backend, or the simulation cannot be built.
     pub fn new(job: Job, end: f64, pace: Option<f64>) -> Result<Self, ConsoleError> {
         if job.run.scenario.robot.backend.is_some() {
-            let why = "the scenario's robot is somewhere else (`robot.backend`): the console is where it is simulated";
+            let why = "the scenario's robot is remote (`robot.backend`): the console needs a simulated robot";
             return Err(ConsoleError::usage(why));
         }
         let document = ScenarioDocument::of(&job.run, end);
@@ -139,36 +139,19 @@ impl Session {
     pub fn end_stream(&mut self) -> Vec<String> {
         self.observer.live_log = None;
         let clients = self.live_clients.take();
-        clients.iter().for_each(|clients| clients.farewell());
-        clients.iter().flat_map(|clients| clients.told()).collect()
+        clients.iter().for_each(|clients| clients.finish());
+        clients.iter().flat_map(|clients| clients.notes()).collect()
     }
 
     fn open_stream(&mut self) -> Result<(), ConsoleError> {
         if let Some(clients) = &self.live_clients {
             let topics = crate::batch::topics(&self.run.scenario.log.topics);
-            self.observer.live_log = Some(self.log_to((None, Some(clients.outlet())), topics)?);
+            self.observer.live_log = Some(self.log_to((None, Some(clients.sink())), topics)?);
         }
         Ok(())
     }
 
-    /// Executes a line, or starts its run or playback. Returns the output with line ends. An empty line
-    /// does nothing.
-    ///
-    /// # Errors
-    /// The line is invalid or its command fails; the session is then unchanged.
-    pub fn execute(&mut self, line: &str) -> Result<String, ConsoleError> {
-        let mut args = Arguments::of(line)?;
-        let Some(name) = args.next().map(str::to_owned) else { return Ok(String::new()) };
-        let command = find(&name)?;
-        (command.execute)(self, &mut args).map_err(|error| match error {
-            ConsoleError::Usage(why) => {
-                ConsoleError::Usage(format!("{}: {why}; it is `{}`", command.name, command.usage))
-            }
-            other => other,
-        })
-    }
-
-    /// Has `quit` been executed?
+    /// True once `quit` is executed.
     pub fn has_ended(&self) -> bool {
         self.quit
     }
@@ -207,10 +190,10 @@ impl Session {
         change(&mut document)?;
         let run = document.run()?;
         if self.simulation.has_begun() {
-            let mut setup = setup(&run, &self.robot).map_err(|found| document.wrong(found))?;
+            let mut setup = setup(&run, &self.robot).map_err(|found| document.scenario_error(found))?;
             let notes = std::mem::take(&mut setup.notes);
-            if let Err(stop) = self.simulation.continue_as(setup) {
-                return Err(self.terminate(stop));
+            if let Err(error) = self.simulation.continue_as(setup) {
+                return Err(self.terminate(error));
             }
             self.adopt(document, run);
             Ok(self.new_notes(notes))
@@ -253,7 +236,7 @@ impl Session {
     /// Reverts the last edit: re-simulates the former document up to the time of the edit.
     pub(super) fn undo(&mut self) -> Result<String, ConsoleError> {
         let Some((document, time)) = self.history.last().cloned() else {
-            return Err(ConsoleError::usage("nothing has been changed"));
+            return Err(ConsoleError::usage("there is no change to undo"));
         };
         self.hold();
         self.stop_recording()?;
@@ -264,7 +247,7 @@ impl Session {
         self.history.pop();
         self.open_stream()?;
         while self.time() < time {
-            self.tick().map_err(|stop| self.terminate(stop))?;
+            self.tick().map_err(|error| self.terminate(error))?;
         }
         Ok(format!("{} s\n", self.time()))
     }
@@ -289,22 +272,22 @@ impl Session {
     /// Error if the run has terminated.
     pub(super) fn check_running(&self) -> Result<(), ConsoleError> {
         match &self.termination {
-            Some(stop) => Err(ConsoleError::Over { time: self.time(), stop: stop.clone() }),
+            Some(error) => Err(ConsoleError::Terminated { time: self.time(), error: error.clone() }),
             None => Ok(()),
         }
     }
 
     /// Records the termination of the run; returns its error.
-    pub(super) fn terminate(&mut self, stop: RunError) -> ConsoleError {
+    pub(super) fn terminate(&mut self, error: RunError) -> ConsoleError {
         self.goal = None;
-        self.termination = Some(stop.clone());
-        ConsoleError::Over { time: self.time(), stop }
+        self.termination = Some(error.clone());
+        ConsoleError::Terminated { time: self.time(), error }
     }
 
     /// Text of notes that have not been shown yet.
     fn new_notes(&mut self, notes: Vec<String>) -> String {
-        let fresh = notes.into_iter().filter(|note| self.shown_notes.insert(note.clone()));
-        fresh.map(|note| format!("note: {note}\n")).collect()
+        let new = notes.into_iter().filter(|note| self.shown_notes.insert(note.clone()));
+        new.map(|note| format!("note: {note}\n")).collect()
     }
 
     pub(super) fn status(&self) -> String {
@@ -312,11 +295,11 @@ impl Session {
         let mut out = String::new();
         let ticks = (self.time() * scenario.control.rate).round();
         let what = match (&self.termination, &self.goal) {
-            (Some(stop), _) => format!("ended: {}", stop.message),
+            (Some(error), _) => format!("ended: {}", error.message),
             (None, Some(goal)) => format!("running until {goal}"),
             (None, None) => "held".to_owned(),
         };
-        let rate = self.pace.map_or("as fast as it goes".to_owned(), |pace| format!("at {pace} times real time"));
+        let rate = self.pace.map_or("as fast as possible".to_owned(), |pace| format!("at {pace} times real time"));
         let _ = writeln!(out, "{} s of {} s, tick {ticks}, {what}, {rate}", self.time(), self.simulation.end());
         let method = (scenario.contact.method.name(), scenario.integrator.method.name());
         let _ = writeln!(out, "robot {}, contact {}, integrator {}", self.model().name, method.0, method.1);
@@ -334,27 +317,16 @@ impl Session {
     }
 
     /// Path of a file argument, relative to the working directory.
-    pub(super) fn path(word: &str) -> PathBuf {
-        PathBuf::from(word)
-    }
-
-    pub(super) fn help(word: Option<&str>) -> Result<String, ConsoleError> {
-        let Some(word) = word else {
-            let width = COMMANDS.iter().map(|c| c.name.len()).max().unwrap_or(0);
-            let line = |c: &crate::console::Command| format!("  {:width$}  {}\n", c.name, c.short);
-            let list: String = COMMANDS.iter().map(line).collect();
-            return Ok(format!("{list}`help COMMAND` says more.\n"));
-        };
-        let command = find(word)?;
-        Ok(format!("{}\n  {}.\n{}", command.usage, command.short, command.details()))
+    pub(super) fn path(argument: &str) -> PathBuf {
+        PathBuf::from(argument)
     }
 }
 
 /// Builds the simulation of a run.
 pub(super) fn simulation(document: &ScenarioDocument, run: &Run, robot: &Robot) -> Result<Simulation, ConsoleError> {
-    let setup = setup(run, robot).map_err(|found| document.wrong(found))?;
-    Simulation::new(setup).map_err(|stop| match stop.outcome {
-        Outcome::Error => ConsoleError::usage(stop.message),
-        _ => ConsoleError::Over { time: 0.0, stop },
+    let setup = setup(run, robot).map_err(|found| document.scenario_error(found))?;
+    Simulation::new(setup).map_err(|error| match error.outcome {
+        Outcome::Error => ConsoleError::usage(error.message),
+        _ => ConsoleError::Terminated { time: 0.0, error },
     })
 }

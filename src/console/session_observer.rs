@@ -1,11 +1,12 @@
-//! Observer of a session's simulation: keeps the newest events, writes the recording and the live stream.
+//! Observer of a session's simulation: keeps the newest events, writes the recording and the live
+//! stream.
 
 use std::collections::VecDeque;
 
 use crate::log::LogWriter;
-use crate::sim::{Observer, SimEvent, Snapshot};
+use crate::sim::{Observer, ObserverError, SimEvent, Snapshot};
 
-/// Most events kept for `events`.
+/// Largest number of events kept for `events`.
 const MAX_EVENTS: usize = 10_000;
 
 /// Observer of a session's simulation.
@@ -26,7 +27,7 @@ pub struct SessionObserver {
 }
 
 impl SessionObserver {
-    /// Events after the first `since` ones, as far as they are kept.
+    /// Events after the first `since` ones, if they are kept.
     pub fn since(&self, since: u64) -> impl Iterator<Item = &SimEvent> {
         let new = (self.count - since).min(self.events.len() as u64) as usize;
         self.events.iter().skip(self.events.len() - new)
@@ -34,7 +35,7 @@ impl SessionObserver {
 }
 
 impl Observer for SessionObserver {
-    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String> {
+    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), ObserverError> {
         self.live_log.as_mut().map_or(Ok(()), |live| live.snapshot(snapshot))?;
         let Some(log) = &mut self.log else { return Ok(()) };
         self.instants += 1;
@@ -42,7 +43,7 @@ impl Observer for SessionObserver {
         log.snapshot(snapshot)
     }
 
-    fn event(&mut self, event: &SimEvent) -> Result<(), String> {
+    fn event(&mut self, event: &SimEvent) -> Result<(), ObserverError> {
         if self.events.len() == MAX_EVENTS {
             self.events.pop_front();
         }

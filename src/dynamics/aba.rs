@@ -65,7 +65,7 @@ impl Articulated {
         }
     }
 
-    /// Solves `self x = b` for the base by Cholesky; `Err` holds the failing row and pivot.
+    /// Solves `self x = b` for the base by Cholesky; `Err` contains the failing row and its pivot.
     fn solve(&self, b: [f64; 6]) -> Result<[f64; 6], (usize, f64)> {
         let mut l = self.0;
         let mut x = b;
@@ -92,8 +92,8 @@ impl Articulated {
 /// `kinematics::update`; `gravity` in m/s^2, world axes.
 ///
 /// # Errors
-/// [`DynamicsError::Singular`] when a joint or the base moves no inertia. Redundant joints leave
-/// rounding instead of zero here; only [`super::factor::factorize`] detects that.
+/// [`DynamicsError::Singular`] when a joint or the base moves no inertia. For redundant joints
+/// rounding hides the zero pivot here; only [`super::factor::factorize`] detects them.
 pub fn forward_dynamics(
     model: &Model,
     ws: &mut Workspace,
@@ -109,7 +109,7 @@ pub fn forward_dynamics(
         *articulated = Articulated::of(&link.inertia);
     }
 
-    // Towards the root; `vdot` keeps u / d for the way back.
+    // Towards the root; `vdot` stores u / d for the outward pass.
     let joints = model.joints.iter().zip(&ws.axes[nb..]).zip(&ws.parent[1..]);
     for (i, ((joint, axis), &parent)) in joints.enumerate().rev() {
         let (before, here) = ws.articulated.split_at_mut(i + 1);
@@ -127,12 +127,12 @@ pub fn forward_dynamics(
         let scale = effort * inverse_d;
         before[parent] +=
             Force::new(here[0].linear + momentum.linear * scale, here[0].angular + momentum.angular * scale);
-        // The link's own force is no longer needed; its entry keeps U / d for the way back.
+        // The link's own force is no longer needed; its entry stores U / d for the outward pass.
         here[0] = Force::new(momentum.linear * inverse_d, momentum.angular * inverse_d);
         vdot[nb + i] = scale;
     }
 
-    // Towards the leaves; `acceleration` holds B.
+    // Towards the leaves; `acceleration` is B.
     ws.links[0].acceleration = Motion::ZERO;
     if nb == 6 {
         let p = ws.forces[0].to_array();

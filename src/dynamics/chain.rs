@@ -1,8 +1,8 @@
-//! Pose and velocity of one frame relative to the root, along its chain of links alone.
+//! Pose and velocity of one frame relative to the root, from the links of its chain only.
 //!
-//! From the frame towards the root, p its origin, u and w the velocity of its origin and its
-//! angular velocity, all in axes of the link reached and relative to it; with R_i0 and d_i the
-//! joint's frame at position 0 in the parent:
+//! The recursion runs from the frame towards the root. p is the frame's origin, u its velocity and
+//! w the angular velocity of the frame, all relative to the present link and in its axes. R_i0 and
+//! d_i are the joint's frame at position 0 in the parent:
 //!
 //! ```text
 //! u <- R (u + q' z x p)    w <- R (w + q' z)    p <- d_i + R p            R = R_i0 Rz(q)     revolute
@@ -26,8 +26,7 @@ pub struct RelativeMotion {
     pub omega: Vector3<f64>,
 }
 
-/// Motion of `mount` relative to the root at joint positions `q` (rad, m) and rates `qd`, one each
-/// per joint.
+/// Motion of `mount` relative to the root at joint positions `q` (rad, m) and rates `qd`.
 pub fn from_root(model: &Model, mount: &Mount, q: &[f64], qd: &[f64]) -> RelativeMotion {
     let mut rotation: Matrix3<f64> = mount.pose.rotation.to_rotation_matrix().into_inner();
     let mut position = mount.pose.translation.vector;
@@ -77,7 +76,7 @@ impl FrameMotion {
         FrameMotion { rotation: state.rotation, position: state.position, velocity: part(0), omega: part(3) }
     }
 
-    /// Writes it as the base motion of a state; a fixed base takes the pose alone.
+    /// Writes it as the base motion of a state. A fixed base gets the pose only.
     pub fn write_base(&self, state: &mut State) {
         (state.position, state.rotation) = (self.position, self.rotation);
         if state.v.len() > state.joints.len() {

@@ -31,7 +31,7 @@ pub fn mass_matrix(model: &Model, ws: &mut Workspace) {
         for (entry, &j) in row[nb..].iter_mut().zip(&chain[nb..]) {
             *entry = ws.axes[j].dot(&momentum);
         }
-        *row.last_mut().expect("a row holds its diagonal") += joint.armature;
+        *row.last_mut().expect("a row contains its diagonal") += joint.armature;
     }
     for k in 0..nb {
         let momentum = ws.composite[0].apply(&ws.axes[k]).to_array();
@@ -39,9 +39,9 @@ pub fn mass_matrix(model: &Model, ws: &mut Workspace) {
     }
 }
 
-/// Writes the mass matrix of point masses into `out`, which has the pattern of M. Each point has a
-/// link, a world position (m) and a mass (kg). The matrix is `sum m J^T J` with the Jacobians of
-/// the points. Needs `kinematics::positions`.
+/// Writes the mass matrix of point masses, `sum m J^T J` with the Jacobians of the points, into
+/// `out`, which has the pattern of M. Each point has a link, a world position (m) and a mass (kg).
+/// Needs `kinematics::positions`.
 pub fn point_masses(ws: &mut Workspace, points: &[(LinkId, Vector3<f64>, f64)], out: &mut TreeMatrix) {
     ws.composite.fill(Inertia::ZERO);
     for &(link, point, mass) in points {

@@ -23,25 +23,17 @@ pub fn factorize(ws: &mut Workspace) -> Result<(), DynamicsError> {
 /// # Errors
 /// As [`factorize`].
 pub fn factorize_shifted(ws: &mut Workspace, shift: &[f64]) -> Result<(), DynamicsError> {
-    ws.factor.copy_from(&ws.mass);
-    for (k, s) in shift.iter().enumerate() {
-        *ws.factor.row_mut(k).1.last_mut().expect("a row holds its diagonal") += s;
-    }
-    eliminate(&mut ws.factor, &mut ws.scratch)
+    factorize_prescribed(ws, shift, &[])
 }
 
 /// As [`factorize_shifted`], without the velocities `prescribed`: their rows and columns become
-/// those of the unit matrix. [`solve`] then works on the others alone and leaves theirs unchanged.
+/// those of the unit matrix. [`solve`] then leaves their entries unchanged.
 ///
 /// # Errors
 /// As [`factorize`].
 pub fn factorize_prescribed(ws: &mut Workspace, shift: &[f64], prescribed: &[usize]) -> Result<(), DynamicsError> {
     ws.factor.copy_from(&ws.mass);
-    for (k, s) in shift.iter().enumerate() {
-        *ws.factor.row_mut(k).1.last_mut().expect("a row holds its diagonal") += s;
-    }
-    prescribed.iter().for_each(|k| ws.factor.decouple(*k));
-    eliminate(&mut ws.factor, &mut ws.scratch)
+    shift_and_eliminate(ws, shift, prescribed)
 }
 
 /// As [`factorize_prescribed`], of M + `added` + diag(`shift`); `added` has the pattern of M.
@@ -56,8 +48,12 @@ pub fn factorize_with(
 ) -> Result<(), DynamicsError> {
     ws.factor.copy_from(&ws.mass);
     ws.factor.add(added);
+    shift_and_eliminate(ws, shift, prescribed)
+}
+
+fn shift_and_eliminate(ws: &mut Workspace, shift: &[f64], prescribed: &[usize]) -> Result<(), DynamicsError> {
     for (k, s) in shift.iter().enumerate() {
-        *ws.factor.row_mut(k).1.last_mut().expect("a row holds its diagonal") += s;
+        *ws.factor.row_mut(k).1.last_mut().expect("a row contains its diagonal") += s;
     }
     prescribed.iter().for_each(|k| ws.factor.decouple(*k));
     eliminate(&mut ws.factor, &mut ws.scratch)
@@ -66,19 +62,19 @@ pub fn factorize_with(
 /// Factorises in place; `least` is scratch of length nv.
 fn eliminate(factor: &mut TreeMatrix, least: &mut [f64]) -> Result<(), DynamicsError> {
     for (k, least) in least.iter_mut().enumerate() {
-        // A pivot this far below the diagonal it started from is rounding, not inertia.
-        *least = 16.0 * f64::EPSILON * factor.row(k).last().expect("a row holds its diagonal");
+        // A pivot below this fraction of its initial diagonal is rounding, not inertia.
+        *least = 16.0 * f64::EPSILON * factor.row(k).last().expect("a row contains its diagonal");
     }
     for k in (0..factor.len()).rev() {
         let (before, row, pattern) = factor.split_row(k);
-        let (diagonal, row) = row.split_last_mut().expect("a row holds its diagonal");
+        let (diagonal, row) = row.split_last_mut().expect("a row contains its diagonal");
         let pivot = *diagonal;
-        // This form of the comparison also refuses NaN.
+        // This form of the comparison also rejects NaN.
         if !(pivot > least[k] && pivot < f64::INFINITY) {
             return Err(DynamicsError::Singular { dof: k, pivot });
         }
         // Row of the ancestor at depth e: its first e + 1 entries belong to the same velocities as
-        // this row's. The next pivot then waits only for 1 / pivot; the square root is off the
+        // this row's. The next pivot depends only on 1 / pivot, so the square root is off the
         // critical path.
         let reciprocal = 1.0 / pivot;
         for (e, &ancestor) in pattern.chain(k)[..row.len()].iter().enumerate() {

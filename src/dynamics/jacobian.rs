@@ -9,28 +9,28 @@ use super::workspace::Workspace;
 use crate::robot::LinkId;
 use nalgebra::Vector3;
 
-/// Velocity (m/s, world axes) of the link's point now at the world position `point`. Needs
+/// Velocity (m/s, world axes) of the link's point that is at the world position `point`. Needs
 /// `kinematics::update`.
 #[inline]
 pub fn point_velocity(ws: &Workspace, link: LinkId, point: &Vector3<f64>) -> Vector3<f64> {
     ws.links[link.0].velocity.at(&(point - ws.position))
 }
 
-/// Velocity of the link's point now at `point` with the link's angular velocity; world axes.
+/// Velocity of the link's point that is at `point`, and the link's angular velocity; world axes.
 #[inline]
 pub fn link_twist(ws: &Workspace, link: LinkId, point: &Vector3<f64>) -> Motion {
     Motion::new(point_velocity(ws, link, point), ws.links[link.0].velocity.angular)
 }
 
-/// Classical acceleration p'' (m/s^2) of the link's point now at `point`, and omega'. Gravity is
-/// not subtracted: a robot at rest reads zero. Needs `kinematics::accelerations` (or a pass that
-/// leaves them).
+/// Classical acceleration p'' (m/s^2) of the link's point that is at `point`, and omega'. Gravity
+/// is not subtracted: it is zero for a robot at rest. Needs `kinematics::accelerations` (or a pass
+/// that leaves them).
 pub fn point_acceleration(ws: &Workspace, link: LinkId, point: &Vector3<f64>) -> Motion {
     let l = &ws.links[link.0];
     classical(&l.acceleration, &l.velocity, &(point - ws.position))
 }
 
-/// Classical acceleration of the body point at `r` from O, out of the spatial one.
+/// Classical acceleration of the body point at `r` from O, from the spatial acceleration.
 #[inline(always)]
 pub(super) fn classical(acceleration: &Motion, velocity: &Motion, r: &Vector3<f64>) -> Motion {
     let linear = acceleration.at(r) + velocity.angular.cross(&velocity.at(r));
@@ -60,11 +60,11 @@ pub fn frame(ws: &Workspace, link: LinkId, point: &Vector3<f64>, out: &mut [f64]
 /// length 3 nv). Needs `crba::mass_matrix`, whose composite inertias it reads.
 pub fn center_of_mass(ws: &Workspace, out: &mut [f64]) {
     let nb = ws.nb;
-    let whole = super::body::whole(ws);
+    let total = super::body::total_inertia(ws);
     for (k, s) in ws.axes.iter().enumerate() {
-        // Velocity k carries the subtree of its link; each base velocity carries everything.
-        let subtree = if k < nb { &whole } else { &ws.composite[k + 1 - nb] };
+        // Velocity k moves the subtree of its link; each base velocity moves the whole body.
+        let subtree = if k < nb { &total } else { &ws.composite[k + 1 - nb] };
         let momentum = subtree.apply(s);
-        out[3 * k..3 * k + 3].copy_from_slice((momentum.linear / whole.mass).as_slice());
+        out[3 * k..3 * k + 3].copy_from_slice((momentum.linear / total.mass).as_slice());
     }
 }

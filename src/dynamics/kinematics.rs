@@ -21,7 +21,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Updates the workspace to `state`: [`positions`], then [`velocities`].
 pub fn update(model: &Model, state: &State, ws: &mut Workspace) {
     positions(model, state, ws);
-    velocities(model, state, ws);
+    velocities(state, ws);
 }
 
 /// Poses, joint axes and world inertias for the configuration of `state`.
@@ -63,7 +63,7 @@ pub fn positions(model: &Model, state: &State, ws: &mut Workspace) {
 
 /// Twists and velocity products for the velocity of `state`, at the configuration last given to
 /// [`positions`].
-pub fn velocities(_model: &Model, state: &State, ws: &mut Workspace) {
+pub fn velocities(state: &State, ws: &mut Workspace) {
     ws.v.copy_from_slice(&state.v);
     if ws.nb == 6 {
         let base = Motion::from_slice(&state.v);
@@ -83,15 +83,15 @@ pub fn velocities(_model: &Model, state: &State, ws: &mut Workspace) {
 
 /// Spatial accelerations (without gravity) of all links for a given `vdot`, length nv, into
 /// `LinkMotion::acceleration`.
-pub fn accelerations(_model: &Model, ws: &mut Workspace, vdot: &[f64]) {
+pub fn accelerations(ws: &mut Workspace, vdot: &[f64]) {
     let base = if ws.nb == 6 { Motion::from_slice(vdot) } else { Motion::ZERO };
     ws.links[0].acceleration = ws.links[0].drift + base;
     let joints = vdot[ws.nb..].iter().zip(&ws.axes[ws.nb..]).zip(&ws.parent[1..]);
     for (i, ((&a, axis), &parent)) in joints.enumerate() {
         let (done, rest) = ws.links.split_at_mut(i + 1);
         let up = &done[parent];
-        // vdot adds to the velocity products along the same axes; their difference is this joint's
-        // own product.
+        // vdot adds to the velocity products along the same axes. The difference of drifts is this
+        // joint's own product.
         rest[0].acceleration = up.acceleration + axis.scaled(a) + (rest[0].drift - up.drift);
     }
 }

@@ -1,7 +1,7 @@
 //! Rigid-body dynamics of a tree: `M(q) vdot + h(q, v) = tau`.
 //!
-//! **One frame for everything.** All spatial quantities are in world axes about one fixed point O,
-//! the current position of the base (the root of a fixed base). Twists, wrenches and inertias of
+//! **One common frame.** All spatial quantities are in world axes about one fixed point O, the
+//! current position of the base (the root of a fixed base). Twists, wrenches and inertias of
 //! all links then add without 6-D transforms, and each joint axis needs one cross product. O is an
 //! inertial point: it does not move with the base.
 //!
@@ -15,8 +15,9 @@
 //! Algorithms are functions of ([`Model`], [`State`], [`Workspace`]); none of them allocates. The
 //! usual order per evaluation is [`prepare`], then [`reduced::assemble`] or [`factor::solve`].
 //!
-//! Imports `robot` for the model. `task`, `force` and `sim` call it; it knows no contact rules.
 //! Source of the algorithms: [Featherstone 2008], chapters 5 to 8.
+//!
+//! Imports: `robot`. Used by: `task`, `force`, `script`, `sim`, `assemble`, `remote`, `console`.
 
 pub mod aba;
 pub mod body;
@@ -51,21 +52,19 @@ pub enum DynamicsError {
     Singular {
         /// Index into `v`.
         dof: usize,
-        /// The pivot found, kg or kg m^2.
+        /// Its pivot, kg or kg m^2.
         pivot: f64,
     },
 }
 
-/// Evaluates the equation of motion at one state: kinematics, bias `h`, mass matrix `M` and its
-/// factor.
-///
-/// `gravity` in m/s^2, world axes. Results go to `ws`.
+/// Evaluates the equation of motion at one state into `ws`: kinematics, bias `h`, mass matrix `M`
+/// and its factor. `gravity` in m/s^2, world axes.
 ///
 /// # Errors
 /// [`DynamicsError::Singular`] when `M` cannot be factorised.
 pub fn prepare(model: &Model, state: &State, gravity: &Vector3<f64>, ws: &mut Workspace) -> Result<(), DynamicsError> {
     kinematics::update(model, state, ws);
-    rnea::bias(model, ws, gravity);
+    rnea::bias(ws, gravity);
     crba::mass_matrix(model, ws);
     factor::factorize(ws)
 }

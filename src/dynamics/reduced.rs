@@ -5,10 +5,9 @@
 //! ```
 //!
 //! for F soles, each with a frame at its reference point (the centroid of its vertices, fixed in
-//! the link) and with the floor's axes. Rows of a sole: acceleration p'' of the reference point,
-//! then angular acceleration, in floor axes. `w` stacks the soles' wrenches: force, then moment
-//! about the reference point, in floor axes. `tau` holds all generalised forces except those of
-//! contact.
+//! the link), in floor axes. Rows of a sole: acceleration p'' of the reference point, then angular
+//! acceleration. `w` stacks the soles' wrenches: force, then moment about the reference point.
+//! `tau` contains all generalised forces except those of contact.
 //!
 //! With M = L^T L and Y = L^-T J^T: W = Y^T Y and a0 = Y^T L^-T (tau - h) + Jdot v. A sole's
 //! columns of Y are nonzero on its support chain only, and two chains share a leading part, so both
@@ -42,13 +41,13 @@ pub struct Reduced {
     /// Velocities whose motion is prescribed, ascending; contact moves only the others. See
     /// [`assemble`].
     pub prescribed: Vec<usize>,
-    /// Vertices relative to their sole's reference point, floor axes, m; all soles in a row, see
-    /// [`Reduced::vertices`].
+    /// Vertices relative to their sole's reference point, floor axes, m; one sole after the other,
+    /// see [`Reduced::vertices`].
     pub arms: Vec<Vector3<f64>>,
     vertex_start: Vec<usize>,
     /// Reference points in the links' internal frames.
     local: Vec<Vector3<f64>>,
-    /// Y: for each sole, for each velocity of its support chain, its six columns.
+    /// Y: for each sole and each velocity of its support chain, six numbers.
     y: Vec<[f64; 6]>,
     y_start: Vec<usize>,
     half: Vec<f64>,
@@ -64,7 +63,7 @@ impl Reduced {
         for sole in &model.soles {
             vertex_start.push(vertex_start[vertex_start.len() - 1] + sole.vertices.len());
             y_start.push(y_start[y_start.len() - 1] + ws.support(sole.link).len());
-            local.push(sole.vertices.iter().sum::<Vector3<f64>>() / sole.vertices.len().max(1) as f64);
+            local.push(sole.centroid());
         }
         Reduced {
             n,
@@ -96,12 +95,6 @@ impl Reduced {
         &self.arms[self.vertex_range(sole)]
     }
 
-    /// A sole's reference point in its link's internal frame, m.
-    #[inline(always)]
-    pub fn local_reference(&self, sole: SoleId) -> &Vector3<f64> {
-        &self.local[sole.0]
-    }
-
     /// The 6 x 6 block of W between two soles: entry (r, c) at `[c][r]`.
     #[inline]
     pub fn block(&self, row: SoleId, column: SoleId) -> [[f64; 6]; 6] {
@@ -121,8 +114,8 @@ impl Reduced {
 /// ```
 ///
 /// The caller factorises by [`factor::factorize_prescribed`], subtracts `M_fk a_k` from tau and
-/// writes `h_k + a_k` into its prescribed entries. Their part in a0 is then right, and their part
-/// in W, [`apply`] and Y is removed.
+/// writes `h_k + a_k` into its prescribed entries. Their contribution to a0 is then correct, and
+/// that to W, [`apply`] and Y is removed.
 pub fn assemble(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64], out: &mut Reduced) {
     for ((half, tau), h) in out.half.iter_mut().zip(tau).zip(&ws.bias) {
         *half = tau - h;
@@ -135,7 +128,7 @@ pub fn assemble(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64]
     for s in 0..out.n {
         half_solve(model, ws, floor, s, out);
         free_motion(model, ws, floor, s, out);
-        hold_prescribed(model, ws, s, out);
+        remove_prescribed(model, ws, s, out);
         for other in 0..=s {
             block(model, ws, s, other, out);
         }
@@ -157,7 +150,7 @@ pub fn geometry(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, out: &mut R
             *arm = turn * (vertex - out.local[s]);
         }
         let velocity = Motion::new(link.velocity.at(&r), link.velocity.angular);
-        write(&to_floor, &velocity, &mut out.velocity[6 * s..6 * s + 6]);
+        write_in_floor_axes(&to_floor, &velocity, &mut out.velocity[6 * s..6 * s + 6]);
     }
 }
 
@@ -169,7 +162,7 @@ fn half_solve(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, s: usize, out
     let y = &mut out.y[out.y_start[s]..out.y_start[s + 1]];
     for (y, &k) in y.iter_mut().zip(chain) {
         let axis = &ws.axes[k];
-        write(&to_floor, &Motion::new(axis.at(&r), axis.angular), y);
+        write_in_floor_axes(&to_floor, &Motion::new(axis.at(&r), axis.angular), y);
     }
     for e in (0..chain.len()).rev() {
         let row = ws.factor.row(chain[e]);
@@ -192,7 +185,7 @@ fn free_motion(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, s: usize, ou
     let link = &ws.links[sole.link.0];
     let r = out.reference[s] - ws.position;
     let a0 = &mut out.a0[6 * s..6 * s + 6];
-    write(&floor.transpose(), &classical(&link.drift, &link.velocity, &r), a0);
+    write_in_floor_axes(&floor.transpose(), &classical(&link.drift, &link.velocity, &r), a0);
     let y = &out.y[out.y_start[s]..out.y_start[s + 1]];
     for (y, &k) in y.iter().zip(ws.support(sole.link)) {
         for (a, y) in a0.iter_mut().zip(y) {
@@ -202,7 +195,7 @@ fn free_motion(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, s: usize, ou
 }
 
 /// Removes the prescribed velocities from Y of one sole.
-fn hold_prescribed(model: &Model, ws: &Workspace, s: usize, out: &mut Reduced) {
+fn remove_prescribed(model: &Model, ws: &Workspace, s: usize, out: &mut Reduced) {
     let chain = ws.support(model.soles[s].link);
     for k in &out.prescribed {
         if let Ok(e) = chain.binary_search(k) {
@@ -267,7 +260,7 @@ pub fn apply(model: &Model, ws: &Workspace, reduced: &mut Reduced, w: &[f64], ou
 }
 
 #[inline(always)]
-fn write(to_floor: &Matrix3<f64>, m: &Motion, out: &mut [f64]) {
+fn write_in_floor_axes(to_floor: &Matrix3<f64>, m: &Motion, out: &mut [f64]) {
     out[..3].copy_from_slice((to_floor * m.linear).as_slice());
     out[3..6].copy_from_slice((to_floor * m.angular).as_slice());
 }

@@ -1,7 +1,7 @@
 //! Recursive Newton-Euler: `tau = M(q) vdot + h(q, v)`.
 //!
 //! ```text
-//! f_i = I_i (A_i - g) + V_i x* I_i V_i,   tau_k = S_k . sum of f over the links that k carries
+//! f_i = I_i (A_i - g) + V_i x* I_i V_i,   tau_k = S_k . sum of f over the links that k moves
 //! ```
 //!
 //! with A_i the spatial acceleration about O and g = (gravity, 0). In world axes about one point
@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 
 /// Bias h = tau at vdot = 0, into `ws.bias`. `gravity` in m/s^2, world axes. Needs
 /// `kinematics::update`.
-pub fn bias(_model: &Model, ws: &mut Workspace, gravity: &Vector3<f64>) {
+pub fn bias(ws: &mut Workspace, gravity: &Vector3<f64>) {
     for (force, link) in ws.forces.iter_mut().zip(&ws.links) {
         let momentum = link.inertia.apply(&link.velocity);
         let acceleration = Motion::new(link.drift.linear - gravity, link.drift.angular);
@@ -27,7 +27,7 @@ pub fn bias(_model: &Model, ws: &mut Workspace, gravity: &Vector3<f64>) {
 /// Generalised force that makes the acceleration `vdot`; `vdot` and `tau` have length nv. Needs
 /// `kinematics::update`. The link accelerations of `vdot` remain in the workspace.
 pub fn inverse_dynamics(model: &Model, ws: &mut Workspace, vdot: &[f64], gravity: &Vector3<f64>, tau: &mut [f64]) {
-    super::kinematics::accelerations(model, ws, vdot);
+    super::kinematics::accelerations(ws, vdot);
     for (force, link) in ws.forces.iter_mut().zip(&ws.links) {
         let momentum = link.inertia.apply(&link.velocity);
         let acceleration = Motion::new(link.acceleration.linear - gravity, link.acceleration.angular);

@@ -7,9 +7,9 @@
 //! Source: [Featherstone 2008], sections 2.9 to 2.13 (angular first there, linear first here).
 
 use nalgebra::{Matrix3, Vector3};
-use std::ops::{Add, AddAssign, Sub, SubAssign};
+use std::ops::{Add, AddAssign, Sub};
 
-/// A twist or its rate: velocity (m/s) of the body-fixed point now at O, and angular velocity
+/// A twist or its rate: velocity (m/s) of the body-fixed point that is at O, and angular velocity
 /// (rad/s).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Motion {
@@ -44,7 +44,7 @@ impl Motion {
         Motion { linear: Vector3::new(x[0], x[1], x[2]), angular: Vector3::new(x[3], x[4], x[5]) }
     }
 
-    /// Velocity of the body point now at `r` (from O).
+    /// Velocity of the body point that is at `r` (from O).
     #[inline(always)]
     pub fn at(&self, r: &Vector3<f64>) -> Vector3<f64> {
         self.linear + self.angular.cross(r)
@@ -121,12 +121,6 @@ macro_rules! six_vector {
                 *self = *self + o;
             }
         }
-        impl SubAssign for $name {
-            #[inline(always)]
-            fn sub_assign(&mut self, o: $name) {
-                *self = *self - o;
-            }
-        }
     };
 }
 
@@ -145,7 +139,7 @@ pub struct Inertia {
 }
 
 impl Inertia {
-    /// Inertia of nothing.
+    /// No inertia.
     pub const ZERO: Inertia = Inertia { mass: 0.0, moment: Vector3::new(0.0, 0.0, 0.0), rotational: [0.0; 6] };
 
     /// Inertia of a body with mass `m` (kg), centre `c` (m, from O) and inertia `R inertia R^T`

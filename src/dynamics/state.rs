@@ -3,8 +3,7 @@
 use crate::robot::Model;
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// Configuration, velocity and actuators at one time. Small and cloneable: saving one saves the
-/// mechanical state of a run.
+/// Configuration, velocity and actuator efforts at one time: the mechanical state of a run.
 #[derive(Clone, PartialEq, Debug)]
 pub struct State {
     /// Time, s.
@@ -50,16 +49,15 @@ impl State {
     }
 
     /// Moves the configuration by `d`, of length `nv` and laid out as `v`: base translation (world,
-    /// m), base rotation vector (world, rad), joint displacements. `displace(v dt)` is the
-    /// configuration after turning with constant `v`.
+    /// m), base rotation vector (world, rad), joint displacements. `displace(v dt)` moves it
+    /// for dt at constant `v`.
     pub fn displace(&mut self, d: &[f64]) {
         let nb = d.len() - self.joints.len();
         if nb == 6 {
             self.position += Vector3::new(d[0], d[1], d[2]);
             let turn = UnitQuaternion::from_scaled_axis(Vector3::new(d[3], d[4], d[5]));
             self.rotation = turn * self.rotation;
-            // Rounding moves products of unit quaternions off the unit sphere; normalise so that it
-            // does not accumulate.
+            // Rounding of quaternion products would accumulate.
             self.rotation.renormalize();
         }
         for (q, d) in self.joints.iter_mut().zip(&d[nb..]) {

@@ -6,7 +6,7 @@
 //! offset in the row*, so row operations of the factorisation run over contiguous numbers without
 //! index lists.
 
-/// Which entries exist: for each row its ancestors, root first, itself last.
+/// Entries of each row: its ancestors, root first, itself last.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Pattern {
     start: Vec<usize>,
@@ -85,7 +85,7 @@ impl TreeMatrix {
         &self.values[self.pattern.range(i)]
     }
 
-    /// Row `i` and its columns, to write.
+    /// Columns and entries of row `i`, for writing.
     #[inline(always)]
     pub fn row_mut(&mut self, i: usize) -> (&[usize], &mut [f64]) {
         let range = self.pattern.range(i);

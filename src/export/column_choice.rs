@@ -4,7 +4,8 @@ use crate::export::export_error::ExportError;
 use crate::export::log_columns::{LogColumn, TIME};
 use crate::text::pattern::matches;
 
-/// The columns that match any of the patterns, in the order of the patterns and once each; all when there are none.
+/// The columns that match any of the patterns, in the order of the patterns and once each; all when
+/// there are none.
 pub(super) fn choose<'a>(columns: Vec<LogColumn<'a>>, patterns: &[String]) -> Result<Vec<LogColumn<'a>>, ExportError> {
     if patterns.is_empty() {
         return Ok(columns);

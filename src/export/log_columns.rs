@@ -40,7 +40,8 @@ type ResidualPart = fn(&Residual) -> f64;
 #[derive(Default)]
 struct Columns<'a>(Vec<LogColumn<'a>>);
 
-/// All columns but the time: motion of base and centre of mass, joints, soles with their vertices, residuals, energies.
+/// All columns but the time: motion of base and centre of mass, joints, soles with their vertices,
+/// residuals, energies.
 pub(super) fn of(log: &Trajectory) -> Vec<LogColumn<'_>> {
     let mut all = Columns::default();
     if let Some(motion) = &log.motion {
@@ -77,8 +78,18 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// Adds three columns of a point that may be absent. It is interpolated if both ticks have it; otherwise the tick
-    /// before counts.
+    /// Adds three columns: `PREFIXroll_rad`, pitch, yaw.
+    fn angles(&mut self, prefix: &str, series: &'a [UnitQuaternion<f64>]) {
+        for (k, name) in ["roll", "pitch", "yaw"].into_iter().enumerate() {
+            self.real(format!("{prefix}{name}_rad"), move |s| {
+                let orientation = s.interpolate_orientation(&series[s.before], &series[s.after]);
+                Some(<[f64; 3]>::from(orientation.euler_angles())[k])
+            });
+        }
+    }
+
+    /// Adds three columns of a point that may be absent. It is interpolated if both ticks have it;
+    /// otherwise the tick before counts.
     fn point(&mut self, prefix: &str, series: &'a [Option<Vector3<f64>>]) {
         for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
             self.real(format!("{prefix}{axis}_m"), move |s| {
@@ -96,10 +107,7 @@ impl<'a> Columns<'a> {
         for (k, name) in ["base_qw", "base_qx", "base_qy", "base_qz"].into_iter().enumerate() {
             self.real(name, move |s| Some(part(orientation(s), k)));
         }
-        let angle = |q: UnitQuaternion<f64>, k: usize| <[f64; 3]>::from(q.euler_angles())[k];
-        for (k, name) in ["base_roll_rad", "base_pitch_rad", "base_yaw_rad"].into_iter().enumerate() {
-            self.real(name, move |s| Some(angle(orientation(s), k)));
-        }
+        self.angles("base_", &m.base_orientation);
         self.vector("base_v", "m_s", &m.base_linear_velocity);
         self.vector("base_w", "rad_s", &m.base_angular_velocity);
         self.vector("com_", "m", &m.com);
@@ -138,12 +146,7 @@ impl<'a> Columns<'a> {
     fn estimate(&mut self, e: &'a EstimateSeries) {
         self.scalar("estimate.tick_s", &e.tick);
         self.vector("estimate.base_", "m", &e.base_position);
-        let orientation =
-            |s: LogInstant| s.interpolate_orientation(&e.base_orientation[s.before], &e.base_orientation[s.after]);
-        let angle = |q: UnitQuaternion<f64>, k: usize| <[f64; 3]>::from(q.euler_angles())[k];
-        for (k, name) in ["roll", "pitch", "yaw"].into_iter().enumerate() {
-            self.real(format!("estimate.base_{name}_rad"), move |s| Some(angle(orientation(s), k)));
-        }
+        self.angles("estimate.base_", &e.base_orientation);
         self.vector("estimate.base_v", "m_s", &e.base_linear_velocity);
         self.vector("estimate.base_w", "rad_s", &e.base_angular_velocity);
         self.vector("sensor.gyroscope_", "rad_s", &e.angular_velocity);
@@ -168,13 +171,13 @@ impl<'a> Columns<'a> {
     fn self_collision(&mut self, series: &'a SelfCollisionSeries) {
         self.scalar("self_collision.distance_m", &series.distance);
         self.0.push(LogColumn { name: "self_collision.pair".into(), get: Get::Text(&series.pair) });
-        if series.wanted.is_empty() {
+        if series.desired.is_empty() {
             return;
         }
         let at_tick = |values: &'a [f64]| move |s: LogInstant| Some(values[s.before]);
         self.real("self_collision.tests", at_tick(&series.tests));
         self.real("self_collision.frozen_joints", at_tick(&series.frozen));
-        for (name, prismatic, desired) in &series.wanted {
+        for (name, prismatic, desired) in &series.desired {
             let unit = if *prismatic { "m" } else { "rad" };
             self.scalar(format!("joint.{name}.wanted_position_{unit}"), desired);
         }

@@ -1,10 +1,15 @@
 //! Chooses the instants of an export and interpolates between the ticks of the log.
+//!
+//! Numbers are interpolated linearly, the orientation on the shortest arc; roll, pitch and yaw are
+//! those of the result. States and flags are those of the tick before, and so is the centre of
+//! pressure up to a lift-off.
 
 use crate::export::export_error::ExportError;
 use crate::export::selection::{MAX_ROWS, Selection};
 use nalgebra::UnitQuaternion;
 
-/// Fraction of a row period within which an instant counts as a tick, for the rounding of `k / rate`.
+/// Fraction of a row period within which an instant counts as a tick, for the rounding of `k /
+/// rate`.
 const TICK_TOLERANCE: f64 = 1e-6;
 
 /// An instant between the ticks `before` and `after` of a log, or at `before` when `fraction` is 0.
@@ -30,7 +35,8 @@ impl LogInstant {
         if self.fraction == 0.0 {
             return *a;
         }
-        // There is no shortest arc for half a turn, and none is needed between nearly equal orientations.
+        // There is no shortest arc for half a turn, and none is needed between nearly equal
+        // orientations.
         a.try_slerp(b, self.fraction, 1e-12).unwrap_or(*a)
     }
 }

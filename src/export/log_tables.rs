@@ -14,9 +14,9 @@ pub fn column_names(log: &Trajectory) -> Vec<String> {
 
 /// The selected columns at the selected instants.
 ///
-/// Between two ticks of the log, numbers are interpolated linearly and orientations along the shortest arc; roll, pitch and
-/// yaw are those of the interpolated orientation. Texts and flags are those of the tick before. At a tick the values are
-/// those of the log, to the last bit.
+/// Between two ticks of the log, numbers are interpolated linearly and orientations along the
+/// shortest arc; roll, pitch and yaw are those of the interpolated orientation. Texts and flags are
+/// those of the tick before. At a tick the values are those of the log, to the last bit.
 ///
 /// # Errors
 /// An unknown column, instants outside the log, or a log without time series.
@@ -31,7 +31,8 @@ pub fn series(log: &Trajectory, selection: &Selection) -> Result<DataTable, Expo
     Ok(table)
 }
 
-/// The events of a log with time, kind, subject and message. Of the selection only the limits in time apply.
+/// The events of a log with time, kind, subject and message. Of the selection only the limits in
+/// time apply.
 pub fn events(log: &Trajectory, selection: &Selection) -> DataTable {
     let (from, to) = (selection.from.unwrap_or(f64::NEG_INFINITY), selection.to.unwrap_or(f64::INFINITY));
     let chosen = || log.events.iter().filter(|e| (from..=to).contains(&e.time));

@@ -1,11 +1,11 @@
-//! Exports time series and events of a log as tables: CSV, Parquet, and text for gnuplot and similar programs.
+//! Exports time series and events of a log as tables: CSV, Parquet, and text for gnuplot and
+//! similar programs.
 //!
 //! ```text
 //! Trajectory -> named columns with units -> chosen columns -> chosen instants -> DataTable -> file
 //! ```
 //!
-//! Imports `log`, `files` and `text`. Called by `cli` (`runner export`), `console`, and `replay`, which compares logs as
-//! tables.
+//! Imports: `text`, `files`, `log`. Used by: `replay`, `console`, `cli`.
 
 mod column_choice;
 mod data_table;

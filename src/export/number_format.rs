@@ -1,7 +1,7 @@
 //! Formats numbers: `exact`, or as C's printf does for `%e`, `%f` and `%g` (ISO C, 7.21.6.1).
 //!
-//! The crate `sprintf` 0.4.3 does not replace this: 36 of the 133 results in the tests differ (`%g` of 1 gives `1.`, of 0 it
-//! panics, of 5e-324 it gives `NaN.`).
+//! The crate `sprintf` 0.4.3 does not replace this: 36 of the 133 results in the tests differ (`%g`
+//! of 1 gives `1.`, of 0 it panics, of 5e-324 it gives `NaN.`).
 
 use std::fmt::Write;
 use std::str::FromStr;
@@ -41,13 +41,13 @@ enum Letter {
 /// Largest width and precision. An f64 has 17 significant digits.
 const MAX_DIGITS: usize = 100;
 
-/// Why a text is no number format.
+/// Why a text is not a number format.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{text}` is no number format: {reason}")]
+#[error("`{text}` is not a number format: {reason}")]
 pub struct NumberFormatError {
     /// The text.
     pub text: String,
-    /// What is wrong with it.
+    /// The error.
     pub reason: &'static str,
 }
 
@@ -77,9 +77,9 @@ impl Conversion {
             }
             rest = &rest[1..];
         }
-        (c.width, rest) = digits(rest, 0)?;
+        (c.width, rest) = digits(rest)?;
         if let Some(after) = rest.strip_prefix('.') {
-            (c.precision, rest) = digits(after, 0)?;
+            (c.precision, rest) = digits(after)?;
         }
         c.letter = match rest {
             "e" | "E" => Letter::E,
@@ -117,12 +117,13 @@ impl Conversion {
     }
 }
 
-fn digits(text: &str, none: usize) -> Result<(usize, &str), &'static str> {
+/// Splits off leading digits; 0 if there are none.
+fn digits(text: &str) -> Result<(usize, &str), &'static str> {
     let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
     let (number, rest) = text.split_at(end);
     match number.parse::<usize>() {
         Ok(n) if n <= MAX_DIGITS => Ok((n, rest)),
-        Err(_) if number.is_empty() => Ok((none, rest)),
+        Err(_) if number.is_empty() => Ok((0, rest)),
         _ => Err("width and precision are at most 100"),
     }
 }
@@ -135,7 +136,8 @@ fn exponential(x: f64, precision: usize) -> String {
     format!("{mantissa}e{sign}{exponent:0>2}")
 }
 
-/// `precision` significant digits without trailing zeros. The exponent after rounding selects the notation.
+/// `precision` significant digits without trailing zeros. The exponent after rounding selects the
+/// notation.
 fn general(x: f64, precision: usize) -> String {
     let scientific = exponential(x, precision - 1);
     let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
@@ -308,7 +310,7 @@ mod tests {
         ("%+g", f64::NAN, "+nan"),
     ];
 
-    fn shown(format: &str, x: f64) -> String {
+    fn formatted(format: &str, x: f64) -> String {
         let mut out = String::new();
         format.parse::<NumberFormat>().unwrap().write(x, &mut out);
         out
@@ -317,15 +319,15 @@ mod tests {
     #[test]
     fn conversions_give_the_text_of_printf() {
         for (format, x, expected) in PRINTF {
-            assert_eq!(shown(format, *x), *expected, "{format} {x:?}");
+            assert_eq!(formatted(format, *x), *expected, "{format} {x:?}");
         }
     }
 
     #[test]
     fn exact_and_17_digits_read_back_to_the_same_bits() {
         for x in [0.1, 1.0 / 3.0, 1e-7, -2.5e300, 5e-324, 0.0, -0.0, 123456789.0, f64::MAX] {
-            assert_eq!(shown("exact", x).parse::<f64>().unwrap().to_bits(), x.to_bits());
-            assert_eq!(shown("%.17g", x).parse::<f64>().unwrap().to_bits(), x.to_bits());
+            assert_eq!(formatted("exact", x).parse::<f64>().unwrap().to_bits(), x.to_bits());
+            assert_eq!(formatted("%.17g", x).parse::<f64>().unwrap().to_bits(), x.to_bits());
         }
     }
 
@@ -347,7 +349,7 @@ mod tests {
             "Exact",
         ] {
             let error = bad.parse::<NumberFormat>().unwrap_err().to_string();
-            assert!(error.contains(&format!("`{bad}` is no number format")), "{error}");
+            assert!(error.contains(&format!("`{bad}` is not a number format")), "{error}");
         }
     }
 }

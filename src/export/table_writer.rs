@@ -10,7 +10,8 @@ use std::path::Path;
 /// File format of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TableFormat {
-    /// Comma-separated values with a header; numbers have the fewest digits that read back to the same number.
+    /// Comma-separated values with a header; numbers have the fewest digits that read back to the
+    /// same number.
     Csv,
     /// Parquet.
     Parquet,
@@ -18,13 +19,16 @@ pub enum TableFormat {
     Text(TextFormat),
 }
 
-/// Writes a table to a temporary file and renames it to `path`, so that an existing file is complete.
+/// Writes a table to a temporary file and renames it to `path`, so that an existing file is
+/// complete.
 ///
 /// # Errors
 /// The folder or file cannot be written, or the format names a column that the table does not have.
 pub fn write(table: &DataTable, format: &TableFormat, path: &Path) -> Result<(), ExportError> {
     let bytes = to_bytes(table, format)?;
-    Ok(atomic::write_named(path, atomic::Made::Table, |out| out.write_all(&bytes).map_err(RecordError::io(path)))?)
+    Ok(atomic::write_named(path, atomic::OutputKind::Table, |out| {
+        out.write_all(&bytes).map_err(RecordError::io(path))
+    })?)
 }
 
 /// The table as bytes.

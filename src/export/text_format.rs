@@ -15,13 +15,14 @@ pub struct TextFormat {
     pub numbers: NumberFormat,
     /// Style of the header.
     pub header: HeaderStyle,
-    /// Start of a line that is no data.
+    /// Start of a comment line.
     pub comment: String,
     /// Text of an absent number.
     pub missing: String,
     /// Unit of the time.
     pub time: TimeUnit,
-    /// LogColumn at whose changes a new block begins: two empty lines, which gnuplot counts as `index`.
+    /// Column whose changes begin a new block, after two empty lines; gnuplot numbers the blocks by
+    /// `index`.
     pub blocks: Option<String>,
 }
 

@@ -22,7 +22,7 @@ pub enum TextOptionError {
     #[error("empty")]
     EmptySeparator,
     /// The separator could be part of a cell.
-    #[error("it could be taken for a part of a cell or of a line")]
+    #[error("it could be part of a cell or end a line")]
     AmbiguousSeparator,
     /// The text does not fit into one cell.
     #[error("must not be empty and must not contain blanks or quotes")]
@@ -30,7 +30,8 @@ pub enum TextOptionError {
 }
 
 impl TextFormat {
-    /// Sets an option by its name: `separator`, `numbers`, `header`, `comment`, `missing`, `time-unit`, `blocks`.
+    /// Sets an option by its name: `separator`, `numbers`, `header`, `comment`, `missing`,
+    /// `time-unit`, `blocks`.
     ///
     /// # Errors
     /// No such option, or a value that it does not accept.

@@ -6,7 +6,8 @@ use std::io::{BufWriter, ErrorKind, Read, Write};
 use std::path::Path;
 use tempfile::{NamedTempFile, TempPath};
 
-/// Creates a temporary file in the folder of `path`, which is created if needed; it vanishes unless [`publish`] renames it.
+/// Creates a temporary file in the folder of `path`, which is created if needed; it vanishes unless
+/// [`publish`] renames it.
 pub(crate) fn temporary(path: &Path) -> Result<(File, TempPath), RecordError> {
     let folder = match path.parent() {
         Some(p) if !p.as_os_str().is_empty() => p,
@@ -20,8 +21,8 @@ pub(crate) fn temporary(path: &Path) -> Result<(File, TempPath), RecordError> {
 /// Suffix of incomplete files.
 const PARTIAL: &str = ".partial";
 
-/// Removes incomplete files of killed programs from a folder. The caller must hold the lock of the folder. Files that cannot
-/// be removed stay.
+/// Removes incomplete files of killed programs from a folder. The caller must hold the lock of the
+/// folder. Files that cannot be removed stay.
 pub(crate) fn remove_partial(folder: &Path) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
@@ -36,10 +37,19 @@ pub(crate) fn remove_partial(folder: &Path) {
 fn builder(prefix: &str) -> tempfile::Builder<'_, 'static> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(prefix).suffix(PARTIAL);
-    // Temporary files default to owner-only permissions; results are ordinary files under the umask.
+    // Temporary files default to owner-only permissions; results are ordinary files under the
+    // umask.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder
+}
+
+/// Accepts a missing file as removed.
+pub(crate) fn if_present(removed: std::io::Result<()>) -> std::io::Result<()> {
+    match removed {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+        other => other,
+    }
 }
 
 /// Renames a finished file onto `path`.
@@ -47,7 +57,8 @@ pub(crate) fn publish(temporary: TempPath, path: &Path) -> Result<(), RecordErro
     temporary.persist(path).map_err(|e| RecordError::Io { path: path.to_owned(), source: e.error })
 }
 
-/// Writes a file through `fill` and publishes it. On error, an older file stays unchanged and no temporary file remains.
+/// Writes a file through `fill` and publishes it. On error, an older file stays unchanged and no
+/// temporary file remains.
 pub(crate) fn write(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<File>) -> Result<(), RecordError>,
@@ -62,7 +73,7 @@ pub(crate) fn write(
 
 /// Kind of an output file named by the user.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Made {
+pub enum OutputKind {
     /// A page for the browser.
     Page,
     /// Test results.
@@ -75,25 +86,25 @@ pub enum Made {
     Table,
 }
 
-impl Made {
+impl OutputKind {
     /// First bytes of such files.
     fn beginning(self) -> &'static [u8] {
         match self {
-            Made::Page => b"<!DOCTYPE html",
-            Made::Junit => b"<?xml",
-            Made::Session => SESSION.as_bytes(),
-            Made::Log => mcap::MAGIC,
-            Made::Table => b"",
+            OutputKind::Page => b"<!DOCTYPE html",
+            OutputKind::Junit => b"<?xml",
+            OutputKind::Session => SESSION.as_bytes(),
+            OutputKind::Log => mcap::MAGIC,
+            OutputKind::Table => b"",
         }
     }
 
     fn name(self) -> &'static str {
         match self {
-            Made::Page => "page",
-            Made::Junit => "file of test results",
-            Made::Session => "saved session",
-            Made::Log => "log",
-            Made::Table => "table",
+            OutputKind::Page => "page",
+            OutputKind::Junit => "file of test results",
+            OutputKind::Session => "saved session",
+            OutputKind::Log => "log",
+            OutputKind::Table => "table",
         }
     }
 }
@@ -101,49 +112,50 @@ impl Made {
 /// First line of a saved session.
 pub(crate) const SESSION: &str = "# A session at the console";
 
-/// Extensions of inputs and logs, which a user never means to replace by a table.
+/// Extensions of inputs and logs, which a table must not replace.
 const INPUTS: [&str; 3] = ["toml", "urdf", "mcap"];
 
-/// Checks that an output replaces no other kind of file, such as a scenario or a record. An existing file must be empty, not a
-/// regular file (a pipe, a device), or of the kind to be written.
+/// Checks that an output replaces no other kind of file, such as a scenario or a record. An
+/// existing file must be empty, not a regular file (a pipe, a device), or of the kind to be
+/// written.
 ///
 /// # Errors
 /// The file exists and is of another kind.
-pub fn may_replace(path: &Path, made: Made) -> Result<(), RecordError> {
+pub fn check_replaceable(path: &Path, kind: OutputKind) -> Result<(), RecordError> {
     if !path.is_file() {
         return Ok(());
     }
     let mut begins = Vec::new();
-    let wanted = made.beginning();
-    let read = File::open(path).and_then(|file| file.take(wanted.len().max(1) as u64).read_to_end(&mut begins));
-    let meant = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let expected = kind.beginning();
+    let read = File::open(path).and_then(|file| file.take(expected.len().max(1) as u64).read_to_end(&mut begins));
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let named =
         |names: &[&str], part: Option<&std::ffi::OsStr>| part.is_some_and(|part| names.iter().any(|n| part == *n));
-    let other = match made {
-        Made::Table => named(&names::PROTECTED, meant.file_name()) || named(&INPUTS, meant.extension()),
+    let other = match kind {
+        OutputKind::Table => named(&names::PROTECTED, target.file_name()) || named(&INPUTS, target.extension()),
         // An unreadable file fails later, when it is written.
-        _ => read.is_ok() && !begins.starts_with(wanted),
+        _ => read.is_ok() && !begins.starts_with(expected),
     };
     if begins.is_empty() || !other {
         return Ok(());
     }
-    let reason = format!("exists and is not a {}: choose another file to write, or remove it", made.name());
+    let reason = format!("exists and is not a {}: choose another file to write, or remove it", kind.name());
     Err(RecordError::io(path)(std::io::Error::new(ErrorKind::AlreadyExists, reason)))
 }
 
-/// As [`write`], for a file named by the user. Follows links; writes in place to a pipe, a device or `/dev/stdout`. Checks
-/// [`may_replace`].
+/// Like [`write`], for a file named by the user. Follows links; writes in place to a pipe, a device
+/// or `/dev/stdout`. Checks [`check_replaceable`].
 pub(crate) fn write_named(
     path: &Path,
-    made: Made,
+    kind: OutputKind,
     fill: impl FnOnce(&mut BufWriter<File>) -> Result<(), RecordError>,
 ) -> Result<(), RecordError> {
-    may_replace(path, made)?;
+    check_replaceable(path, kind)?;
     // A dangling link is replaced.
     match std::fs::metadata(path) {
         Ok(about) if about.is_file() => {
-            let meant = path.canonicalize().map_err(RecordError::io(path))?;
-            write(&meant, fill)
+            let target = path.canonicalize().map_err(RecordError::io(path))?;
+            write(&target, fill)
         }
         Ok(about) if !about.is_dir() => {
             let file = File::options().write(true).open(path).map_err(RecordError::io(path))?;
@@ -168,15 +180,15 @@ mod tests {
         std::os::unix::fs::symlink(&file, &link).unwrap();
         std::os::unix::fs::symlink("/dev/null", &away).unwrap();
         let fill = |out: &mut BufWriter<File>| out.write_all(b"<?xml new").map_err(RecordError::io(Path::new("x")));
-        write_named(&link, Made::Junit, fill).unwrap();
+        write_named(&link, OutputKind::Junit, fill).unwrap();
         assert!(link.is_symlink() && std::fs::read(&file).unwrap() == b"<?xml new");
-        write_named(&away, Made::Junit, fill).unwrap();
+        write_named(&away, OutputKind::Junit, fill).unwrap();
         assert_eq!(std::fs::read_link(&away).unwrap(), Path::new("/dev/null"));
         let full = folder.path().join("full");
         std::os::unix::fs::symlink("/dev/full", &full).unwrap();
-        assert!(matches!(write_named(&full, Made::Junit, fill), Err(RecordError::Io { .. })));
+        assert!(matches!(write_named(&full, OutputKind::Junit, fill), Err(RecordError::Io { .. })));
         let new = folder.path().join("deep/new");
-        write_named(&new, Made::Junit, fill).unwrap();
+        write_named(&new, OutputKind::Junit, fill).unwrap();
         assert_eq!(std::fs::read(new).unwrap(), b"<?xml new");
     }
 
@@ -184,27 +196,33 @@ mod tests {
     fn files_of_another_kind_are_not_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
-        let holds = |name: &str, text: &[u8]| std::fs::write(path(name), text).unwrap();
-        holds("page.html", b"<!DOCTYPE html>\n");
-        holds("b.toml", b"duration = 1\n");
-        holds("s.toml", b"# A session at the console that began with b.toml.\n");
-        holds("run.json", b"{}");
-        holds("empty", b"");
-        holds("a.csv", b"whatever");
-        holds("log.mcap", mcap::MAGIC);
-        let may = |name: &str, made| may_replace(&path(name), made).is_ok();
-        let all = [Made::Page, Made::Junit, Made::Session, Made::Log, Made::Table];
-        assert!(all.iter().all(|made| may("empty", *made) && may("none", *made)));
-        assert!(all.iter().all(|made| !may("b.toml", *made) && !may("run.json", *made)));
-        for (name, wanted) in [("page.html", Made::Page), ("s.toml", Made::Session), ("log.mcap", Made::Log)] {
-            assert!(may(name, wanted), "{name}");
+        let put = |name: &str, text: &[u8]| std::fs::write(path(name), text).unwrap();
+        put("page.html", b"<!DOCTYPE html>\n");
+        put("b.toml", b"duration = 1\n");
+        put("s.toml", b"# A session at the console that began with b.toml.\n");
+        put("run.json", b"{}");
+        put("empty", b"");
+        put("a.csv", b"whatever");
+        put("log.mcap", mcap::MAGIC);
+        let may = |name: &str, kind| check_replaceable(&path(name), kind).is_ok();
+        let all = [OutputKind::Page, OutputKind::Junit, OutputKind::Session, OutputKind::Log, OutputKind::Table];
+        assert!(all.iter().all(|kind| may("empty", *kind) && may("none", *kind)));
+        assert!(all.iter().all(|kind| !may("b.toml", *kind) && !may("run.json", *kind)));
+        for (name, kind) in
+            [("page.html", OutputKind::Page), ("s.toml", OutputKind::Session), ("log.mcap", OutputKind::Log)]
+        {
+            assert!(may(name, kind), "{name}");
             assert!(
-                all.iter().filter(|made| **made != wanted && **made != Made::Table).all(|made| !may(name, *made)),
+                all.iter()
+                    .filter(|other| **other != kind && **other != OutputKind::Table)
+                    .all(|other| !may(name, *other)),
                 "{name}"
             );
         }
-        assert!(may("a.csv", Made::Table) && !may("log.mcap", Made::Table) && !may("a.csv", Made::Junit));
-        let error = may_replace(&path("b.toml"), Made::Junit).unwrap_err().to_string();
+        assert!(
+            may("a.csv", OutputKind::Table) && !may("log.mcap", OutputKind::Table) && !may("a.csv", OutputKind::Junit)
+        );
+        let error = check_replaceable(&path("b.toml"), OutputKind::Junit).unwrap_err().to_string();
         assert!(
             error.ends_with(
                 "b.toml: exists and is not a file of test results: choose another file to write, or remove it"
@@ -232,7 +250,7 @@ mod tests {
         let path = folder.path().join("file.txt");
         write(&path, |_| Ok(())).unwrap();
         let (_, unfinished) = temporary(&path).unwrap();
-        // As a killed program leaves it.
+        // A killed program leaves such a file.
         let unfinished = unfinished.keep().unwrap();
         std::fs::write(folder.path().join(".hidden"), "").unwrap();
         remove_partial(folder.path());

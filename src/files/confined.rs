@@ -1,8 +1,9 @@
-//! Confines writes to a folder of results, whatever the names and links in it.
+//! Confines writes to a folder of results, for any names and links in it.
 //!
-//! The folder itself may be a link. Links below it are refused as parts of a path, since they may lead to the results of others,
-//! which a batch would overwrite or remove. Files are renamed to their names ([`crate::files::atomic`]), which replaces a link
-//! and leaves its target unchanged.
+//! The folder itself may be a link. Links below it are refused as parts of a path, since they may
+//! lead to the results of others, which a batch would overwrite or remove. Files are renamed to
+//! their names ([`crate::files::atomic`]), which replaces a link and leaves its target unchanged.
+//! A program that exchanges folders for links during a batch is not detected.
 
 use crate::files::RecordError;
 use std::io::ErrorKind;
@@ -34,7 +35,7 @@ pub(crate) fn check(root: &Path, path: &Path) -> Result<(), RecordError> {
     Ok(())
 }
 
-/// The name is a single path component, not a path to elsewhere.
+/// True if the name is a single path component.
 pub(crate) fn is_plain(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     matches!((parts.next(), parts.next()), (Some(Component::Normal(only)), None) if only == name)

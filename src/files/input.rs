@@ -6,33 +6,31 @@ use std::fs::{self, File, Metadata};
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
-/// Limit for files written by hand: scenarios, robot files, URDFs, scripts, packages' manifests. Bytes.
+/// Limit for files written by hand, bytes: scenarios, robot files, URDFs, scripts, packages'
+/// manifests.
 pub const MOST_TEXT: u64 = 16 << 20;
-/// Limit for inputs written by programs: meshes, motions, logs. Bytes.
+/// Limit for inputs written by programs, bytes: meshes, motions, logs.
 pub const MOST_DATA: u64 = 1 << 30;
 /// No limit, for files named on the command line: a log may be longer than an input.
 pub const UNLIMITED: u64 = u64::MAX;
 
-/// The bytes of a regular file, at most `most` of them.
+/// The bytes of a regular file of at most `limit` bytes.
 ///
 /// # Errors
 /// System errors; a folder, pipe, device or socket; a larger file.
-pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+pub fn read(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     let (file, about) = open(path)?;
     let mut bytes = Vec::new();
-    if about.len() <= most {
+    if about.len() <= limit {
         let room = usize::try_from(about.len()).unwrap_or(usize::MAX).saturating_add(1);
         bytes.try_reserve_exact(room).map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
         // The file may grow meanwhile, and some system files report a wrong length.
-        file.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
-        if bytes.len() as u64 <= most {
+        file.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 <= limit {
             return Ok(bytes);
         }
     }
-    Err(io::Error::new(
-        io::ErrorKind::FileTooLarge,
-        format!("it is larger than {} MiB, the most that is read", most >> 20),
-    ))
+    Err(io::Error::new(io::ErrorKind::FileTooLarge, format!("it is larger than the limit of {} MiB", limit >> 20)))
 }
 
 /// Opens a regular file.
@@ -48,21 +46,21 @@ pub fn open(path: &Path) -> io::Result<(File, Metadata)> {
     Ok((file, about))
 }
 
-/// As [`read`], for text.
+/// Like [`read`], for text.
 ///
 /// # Errors
 /// As [`read`], and bytes that are not UTF-8.
-pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
-    String::from_utf8(read(path, most)?).map_err(|error| {
+pub fn read_text(path: &Path, limit: u64) -> io::Result<String> {
+    String::from_utf8(read(path, limit)?).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
-        io::Error::new(io::ErrorKind::InvalidData, format!("it is not UTF-8 from byte {at} on"))
+        io::Error::new(io::ErrorKind::InvalidData, format!("it is not UTF-8 at byte {at}"))
     })
 }
 
-/// The target of `path`, as named by a file in the folder `home`, if a symbolic link leads out of their common folder. Links on the
-/// way to `home` are the user's choice.
-pub fn led_out(home: &Path, path: &Path) -> Option<PathBuf> {
-    let (from, to) = (plain(home)?, plain(path)?);
+/// The target of `path`, as named by a file in the folder `home`, if a symbolic link leads out of
+/// their common folder. Links on the way to `home` are the user's choice.
+pub fn outside_target(home: &Path, path: &Path) -> Option<PathBuf> {
+    let (from, to) = (normalized(home)?, normalized(path)?);
     let common: PathBuf = from.components().zip(to.components()).take_while(|(a, b)| a == b).map(|(a, _)| a).collect();
     let mut below = to.strip_prefix(&common).ok()?.ancestors().map(|part| common.join(part));
     let linked = below.any(|part| part != common && part.is_symlink());
@@ -71,16 +69,16 @@ pub fn led_out(home: &Path, path: &Path) -> Option<PathBuf> {
 }
 
 /// An absolute path without `.` and `..`, by name alone.
-fn plain(path: &Path) -> Option<PathBuf> {
-    let mut plain = PathBuf::new();
+fn normalized(path: &Path) -> Option<PathBuf> {
+    let mut normalized = PathBuf::new();
     for part in std::path::absolute(path).ok()?.components() {
         match part {
             Component::CurDir => {}
-            Component::ParentDir => drop(plain.pop()),
-            part => plain.push(part),
+            Component::ParentDir => drop(normalized.pop()),
+            part => normalized.push(part),
         }
     }
-    Some(plain)
+    Some(normalized)
 }
 
 fn regular(about: &Metadata) -> io::Result<()> {
@@ -97,7 +95,7 @@ mod tests {
     use std::os::unix::fs::symlink;
 
     #[test]
-    fn only_links_that_lead_out_are_reported() {
+    fn only_targets_outside_the_folder_are_reported() {
         let folder = tempfile::tempdir().unwrap();
         // The folder of temporary files may itself be behind a link.
         let root = folder.path().canonicalize().unwrap();
@@ -123,11 +121,11 @@ mod tests {
             ("folder/e.stl", Some("elsewhere/e.stl")),
             ("meshes/../out.stl", Some("elsewhere/e.stl")),
         ] {
-            assert_eq!(led_out(&home, &home.join(name)), real.map(at), "{name}");
+            assert_eq!(outside_target(&home, &home.join(name)), real.map(at), "{name}");
         }
         // The user chose this link.
-        assert_eq!(led_out(&at("link/a"), &at("link/a/meshes/m.stl")), None);
-        assert_eq!(led_out(&at("link/a"), &at("link/a/out.stl")), Some(at("elsewhere/e.stl")));
+        assert_eq!(outside_target(&at("link/a"), &at("link/a/meshes/m.stl")), None);
+        assert_eq!(outside_target(&at("link/a"), &at("link/a/out.stl")), Some(at("elsewhere/e.stl")));
     }
 
     #[test]

@@ -1,14 +1,16 @@
-//! Reading and writing files safely: bounded reads of regular files, writes that appear whole or not at all, and paths
-//! that stay inside a folder of results.
+//! Reading and writing files safely: bounded reads of regular files, writes that appear whole or
+//! not at all, and paths that stay inside a folder of results.
 //!
-//! Imports nothing of this crate but `text`. Every room that reads or writes files calls it.
+//! Imports: nothing of this crate. Used by: `robot`, `scenario`, `log`, `results`, `report`,
+//! `export`, `batch`, `replay`, `view`, `submit`, `console`, `cli`.
 
 pub mod atomic;
 pub mod confined;
-mod error;
 pub mod input;
+pub(crate) mod json;
 pub mod names;
+mod record_error;
 
-pub use atomic::{Made, may_replace};
-pub(crate) use atomic::{SESSION, remove_partial, write_named};
-pub use error::RecordError;
+pub use atomic::{OutputKind, check_replaceable};
+pub(crate) use atomic::{SESSION, if_present, remove_partial, write_named};
+pub use record_error::RecordError;

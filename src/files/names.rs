@@ -21,7 +21,8 @@ pub const REFERENCES: &str = "references";
 /// The jobs of a submitted sweep.
 pub const JOBS: &str = "jobs.json";
 
-/// Files written at the end of a batch, and the shard list; the next batch removes them when it begins.
+/// Files written at the end of a batch, and the shard list; the next batch removes them when it
+/// begins.
 pub const BATCH_OUTPUTS: [&str; 4] = [SUMMARY_CSV, SUMMARY_PARQUET, REPORT, SHARD_LIST];
 
 /// All files of a batch in its folder of results.
@@ -30,11 +31,11 @@ pub const BATCH_FILES: [&str; 5] = [SUMMARY_CSV, SUMMARY_PARQUET, RUNS_LOG, REPO
 /// Files with the rows of runs, in the order of preference for reading.
 pub const SUMMARIES: [&str; 3] = [SUMMARY_CSV, SUMMARY_PARQUET, RUNS_LOG];
 
-/// Files that show that a folder holds the results of a batch.
+/// Files that mark a folder as the results of a batch.
 pub const BATCH_MARKERS: [&str; 3] = [SHARD_LIST, RUNS_LOG, SUMMARY_CSV];
 
-/// Files that a user never means to replace by a table.
+/// Files that a table must not replace.
 pub const PROTECTED: [&str; 7] = [RUN_RECORD, JOBS, SHARD_LIST, RUNS_LOG, SUMMARY_CSV, SUMMARY_PARQUET, REPORT];
 
-/// Files of one run that may be links to files elsewhere.
+/// Files of one run that may be symbolic links.
 pub const LINKABLE: [&str; 2] = [RUN_RECORD, LOG];

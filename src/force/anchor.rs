@@ -6,8 +6,9 @@
 //! waypoints p = p_i + (p_{i+1} - p_i) m(s),   s = (t - t_i) / (t_{i+1} - t_i)
 //! ```
 //!
-//! with m(s) = s, or the minimum-jerk progress of [`crate::motion::minimum_jerk`], at rest in every
-//! waypoint. Before the first waypoint the point rests there, after the last one it rests at that.
+//! where m(s) = s, or the minimum-jerk progress of [`crate::motion::minimum_jerk`], which rests at
+//! every waypoint. The anchor rests at the first waypoint before its time, and at the last one
+//! after its time.
 
 use crate::motion::minimum_jerk::minimum_jerk;
 use nalgebra::Vector3;
@@ -60,7 +61,7 @@ impl Anchor {
                 let (sin, cos) = (rate * t + phase).sin_cos();
                 (self.origin + amplitude * sin, amplitude * (rate * cos))
             }
-            AnchorPath::Waypoints { knots, smooth } => follow(knots, *smooth, time, within),
+            AnchorPath::Waypoints { knots, smooth } => interpolate(knots, *smooth, time, within),
         }
     }
 
@@ -74,7 +75,7 @@ impl Anchor {
     }
 }
 
-fn follow(knots: &[(f64, Vector3<f64>)], smooth: bool, time: f64, within: f64) -> (Vector3<f64>, Vector3<f64>) {
+fn interpolate(knots: &[(f64, Vector3<f64>)], smooth: bool, time: f64, within: f64) -> (Vector3<f64>, Vector3<f64>) {
     let passed = knots.iter().take_while(|(at, _)| *at <= within).count();
     let (Some((from, a)), Some((to, b))) = (passed.checked_sub(1).map(|i| knots[i]), knots.get(passed)) else {
         // Before the first or after the last.
@@ -117,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn waypoints_are_met_from_both_sides() {
+    fn waypoints_are_reached_from_both_sides() {
         for anchor in anchors() {
             let AnchorPath::Waypoints { knots, smooth } = &anchor.path else { continue };
             for (at, point) in knots {

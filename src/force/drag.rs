@@ -32,7 +32,7 @@ pub struct Drag {
 impl Drag {
     /// Velocity w of a world point through the air, m/s, and the drag coefficient `c1 + c2 |w|`, N
     /// s/m.
-    fn meets(&self, context: &ForceContext, link: LinkId, point: &Vector3<f64>) -> (Vector3<f64>, f64) {
+    fn relative_velocity(&self, context: &ForceContext, link: LinkId, point: &Vector3<f64>) -> (Vector3<f64>, f64) {
         let relative = jacobian::point_velocity(context.kinematics, link, point) - self.wind;
         (relative, self.linear + self.quadratic * relative.norm())
     }
@@ -46,7 +46,7 @@ impl Force for Drag {
         }
         for &(link, local) in &self.points {
             let point = context.kinematics.point(link, &local);
-            let (relative, coefficient) = self.meets(context, link, &point);
+            let (relative, coefficient) = self.relative_velocity(context, link, &point);
             let force = relative * -coefficient;
             applied.wrench(context, link, &point, &force, &Vector3::zeros());
         }
@@ -58,7 +58,7 @@ impl Force for Drag {
         }
         for &(link, local) in &self.points {
             let point = context.kinematics.point(link, &local);
-            damper(Damper { link, point, coefficient: self.meets(context, link, &point).1 });
+            damper(Damper { link, point, coefficient: self.relative_velocity(context, link, &point).1 });
         }
     }
 

@@ -1,14 +1,14 @@
-//! `joint-friction`: friction in joints, by the law of [`crate::robot::Friction`], added to the
-//! robot's own.
+//! `joint-friction`: friction in joints, by the law of [`crate::robot::JointFrictionLaw`], added to
+//! the robot's own.
 
 use super::{AppliedForces, Force, ForceContext};
-use crate::robot::Friction;
+use crate::robot::JointFrictionLaw;
 
 /// Additional friction of several joints.
 #[derive(Clone, Debug)]
 pub struct JointFriction {
     /// The joints.
-    pub joints: Vec<(usize, Friction)>,
+    pub joints: Vec<(usize, JointFrictionLaw)>,
 }
 
 impl Force for JointFriction {

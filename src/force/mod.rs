@@ -1,22 +1,21 @@
-//! External force models, one file each, behind one trait.
+//! External force models: the trait [`Force`] and its implementations, one file each.
 //!
-//! As in section II.C of the paper a model is initialised once and then evaluated at any time and
-//! state that the adaptive integrator visits. It states beforehand the times at which it is not
+//! As in section II.C of the paper, a model is initialised once and then evaluated at any time and
+//! state that the adaptive integrator visits. It gives in advance the times at which it is not
 //! smooth, so that steps end there.
 //!
-//! Imports robot, dynamics, motion (minimum jerk) and random. Called by script (force models in
-//! Luau), sim and assemble.
+//! Imports: `random`, `robot`, `dynamics`, `motion`. Used by: `script`, `sim`, `assemble`.
 
 pub mod anchor;
 pub mod drag;
-mod error;
+mod force_error;
 pub mod friction;
 pub mod profile;
 pub mod random_pushes;
 pub mod spring;
 pub mod wrench;
 
-pub use error::ForceError;
+pub use force_error::ForceError;
 
 use crate::dynamics::{State, Workspace};
 use crate::robot::{LinkId, Model};
@@ -102,8 +101,8 @@ pub trait Force: Any + Send {
     /// `former` has reported, or that are over, are not reported again.
     fn continue_from(&mut self, _former: &dyn Any, _time: f64) {}
 
-    /// Greatest number of forces that it lists at one instant, allocated before the run. Unknown
-    /// for scripts.
+    /// Greatest number of force arrows at one instant; room for them is allocated before the run.
+    /// Scripts cannot know it.
     fn arrows(&self) -> usize {
         1
     }
@@ -112,39 +111,39 @@ pub trait Force: Any + Send {
     ///
     /// # Errors
     /// The model cannot start; the run ends with outcome `error`.
-    fn init(&mut self, _scene: &ForceContext) -> Result<(), ForceError> {
+    fn init(&mut self, _context: &ForceContext) -> Result<(), ForceError> {
         Ok(())
     }
 
     /// Called at the start of the run and at each corner of any force model, before any evaluation
     /// beyond it. The time never decreases between two such calls.
-    fn pass(&mut self, _scene: &ForceContext, _tell: &mut ReportEvent) {}
+    fn on_corner(&mut self, _context: &ForceContext, _report: &mut ReportEvent) {}
 
     /// Adds its forces at this instant, which may be before or after that of the last call.
     /// Allocates nothing.
     fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces);
 
     /// Adds to `out` (nv) the decrease of its generalised force per change of each velocity, N s/m
-    /// or N m s; not negative. Velocity-level steps apply it at the end of the step, for forces
-    /// that would otherwise reverse a motion within one.
-    fn damping(&self, _scene: &ForceContext, _out: &mut [f64]) {}
+    /// or N m s; not negative. Velocity-level steps apply it at the end of the step: the forces
+    /// could otherwise reverse a motion within one step.
+    fn damping(&self, _context: &ForceContext, _out: &mut [f64]) {}
 
     /// Calls `damper` for each damper between a point of a link and the surroundings: like
     /// [`damping`](Self::damping), but equal in all directions.
-    fn dampers(&self, _scene: &ForceContext, _damper: &mut dyn FnMut(Damper)) {}
+    fn dampers(&self, _context: &ForceContext, _damper: &mut dyn FnMut(Damper)) {}
 
     /// Corners: times at which its value or slope is discontinuous, s.
     fn corners(&self) -> &[f64] {
         &[]
     }
 
-    /// Why its evaluations have failed, once they have; the run then ends with outcome `error`.
+    /// The error of a failed evaluation; the run then ends with outcome `error`.
     fn failure(&self) -> Option<ForceError> {
         None
     }
 }
 
-/// Placeholder for an entry that acts otherwise than by forces.
+/// Placeholder for an entry that exerts no force, such as a carried object.
 pub struct NoForce;
 
 impl Force for NoForce {

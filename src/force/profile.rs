@@ -6,15 +6,15 @@
 /// Shape over time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Shape {
-    /// Full between start and end.
+    /// 1 between start and end.
     Constant,
     /// Half a period of a sine.
     HalfSine,
-    /// Up and down linearly.
+    /// Linear rise and fall.
     Triangle,
-    /// Up linearly, then full.
+    /// Linear rise, then 1.
     Ramp,
-    /// Full at all times.
+    /// 1 at all times.
     Always,
 }
 

@@ -1,10 +1,9 @@
-//! `random-pushes`: pushes whose times, points, directions and magnitudes are drawn before the run
-//! begins.
+//! `random-pushes`: pushes with times, links, directions and magnitudes drawn before the run.
 //!
-//! With a number n of pushes their instants are independent and uniform over the span; with a rate
-//! r they are a Poisson process, gaps `-ln(u) / r`. Magnitudes and durations are uniform between
-//! their limits, links equally likely. A direction is uniform over the circle, or over the sphere:
-//! z uniform between -1 and 1 and the angle about it uniform (Archimedes).
+//! With a given number of pushes, their instants are independent and uniform over the span. With a
+//! rate r they form a Poisson process with gaps `-ln(u) / r`. Magnitudes and durations are uniform
+//! between their limits; all links are equally likely. A direction is uniform over the circle, or
+//! over the sphere: z uniform between -1 and 1 and the angle about it uniform (Archimedes).
 
 use super::profile::{Profile, Shape};
 use super::wrench::Wrench;
@@ -44,7 +43,6 @@ pub enum Count {
     Rate(f64),
 }
 
-/// One push that was drawn.
 #[derive(Clone, Debug)]
 struct Push {
     at: f64,
@@ -67,22 +65,22 @@ pub struct RandomPushes {
 }
 
 /// Greatest number of pushes of one entry.
-pub const MOST: usize = 10_000;
+pub const MAX_PUSHES: usize = 10_000;
 
 impl RandomPushes {
-    /// Draws them; no more than [`MOST`].
+    /// Draws the pushes, at most [`MAX_PUSHES`].
     pub fn draw(from: &Distribution, stream: &mut Stream) -> Self {
-        let pushes: Vec<Push> = instants(from, stream).into_iter().map(|at| from.push(at, stream)).collect();
+        let pushes: Vec<Push> = draw_starts(from, stream).into_iter().map(|at| from.draw_push(at, stream)).collect();
         let corners = pushes.iter().flat_map(|p| p.wrench.profile.corners().iter().copied()).collect();
         RandomPushes { pushes, longest: from.duration[1], corners, reported: 0 }
     }
 }
 
 /// Starts of the pushes, ascending.
-fn instants(from: &Distribution, stream: &mut Stream) -> Vec<f64> {
+fn draw_starts(from: &Distribution, stream: &mut Stream) -> Vec<f64> {
     match from.count {
         Count::Number(n) => {
-            let mut at: Vec<f64> = (0..n.min(MOST)).map(|_| from.start + from.span * stream.unit()).collect();
+            let mut at: Vec<f64> = (0..n.min(MAX_PUSHES)).map(|_| from.start + from.span * stream.unit()).collect();
             at.sort_by(f64::total_cmp);
             at
         }
@@ -92,13 +90,13 @@ fn instants(from: &Distribution, stream: &mut Stream) -> Vec<f64> {
                 at -= stream.unit().ln() / rate;
                 (at < from.start + from.span).then_some(at)
             };
-            std::iter::from_fn(next).take(MOST).collect()
+            std::iter::from_fn(next).take(MAX_PUSHES).collect()
         }
     }
 }
 
 impl Distribution {
-    fn push(&self, at: f64, stream: &mut Stream) -> Push {
+    fn draw_push(&self, at: f64, stream: &mut Stream) -> Push {
         let (name, link, point) = &self.targets[stream.below(self.targets.len() as u64) as usize];
         let mut between = |[a, b]: [f64; 2]| a + (b - a) * stream.unit();
         let (magnitude, duration) = (between(self.magnitude), between(self.duration));
@@ -127,15 +125,15 @@ impl Force for RandomPushes {
     }
 
     fn arrows(&self) -> usize {
-        let together = |i: usize| {
+        let overlapping = |i: usize| {
             let since = self.pushes[i].at;
             let earlier = self.pushes[..=i].iter().rev().take_while(|p| p.at + self.longest >= since);
             earlier.filter(|p| p.end > since).count()
         };
-        (0..self.pushes.len()).map(together).max().unwrap_or(0)
+        (0..self.pushes.len()).map(overlapping).max().unwrap_or(0)
     }
 
-    fn pass(&mut self, context: &ForceContext, report: &mut ReportEvent) {
+    fn on_corner(&mut self, context: &ForceContext, report: &mut ReportEvent) {
         while let Some(push) = self.pushes.get_mut(self.reported).filter(|p| p.at <= context.time) {
             if !std::mem::replace(&mut push.reported, true) {
                 let [x, y, z] = push.wrench.force.into();
@@ -186,7 +184,7 @@ mod tests {
         let drawn = RandomPushes::draw(&from, &mut Stream::new(7, &["force", "0"]));
         assert_eq!(drawn.pushes.len(), n);
         assert!(drawn.pushes.windows(2).all(|w| w[0].at <= w[1].at), "in order");
-        // Means of n uniform numbers: deviation of their range over sqrt(12 n); five of them.
+        // Five standard deviations of the mean of n uniform numbers: range / sqrt(12 n) each.
         let five = |range: f64| 5.0 * range / (12.0 * n as f64).sqrt();
         let mean = |f: &dyn Fn(&Push) -> f64| drawn.pushes.iter().map(f).sum::<f64>() / n as f64;
         assert!((mean(&|p| p.at) - 6.0).abs() < five(8.0));
@@ -220,8 +218,8 @@ mod tests {
             .collect();
         let mean = counts.iter().sum::<f64>() / runs as f64;
         let variance = counts.iter().map(|c| (c - mean).powi(2)).sum::<f64>() / (runs - 1) as f64;
-        // Mean and variance are both 200; deviations of their estimates sqrt(200 / 100) and 200
-        // sqrt(2 / 99).
+        // Mean and variance are both 200. The standard deviations of their estimates are
+        // sqrt(200 / 100) and 200 sqrt(2 / 99).
         assert!((mean - 200.0).abs() < 5.0 * 2.0_f64.sqrt(), "{mean}");
         assert!((variance - 200.0).abs() < 5.0 * 200.0 * (2.0 / 99.0_f64).sqrt(), "{variance}");
     }

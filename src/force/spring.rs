@@ -7,8 +7,8 @@
 //!
 //! k stiffness, c damping, l0 rest length: Hooke's law along the connecting line and a viscous
 //! damper. With l0 = 0 the spring is linear in all three directions. The damper acts on the whole
-//! relative velocity, also across the line, as that of an arm does. Where the point meets the
-//! anchor (`d = 0`) a spring with a rest length has no direction and exerts no force.
+//! relative velocity, also across the line, as that of an arm does. Where point and anchor coincide
+//! (`d = 0`), a spring with a rest length has no direction and exerts no force.
 
 use super::anchor::Anchor;
 use super::profile::{Profile, Shape};
@@ -20,7 +20,7 @@ use std::any::Any;
 
 /// Parameters of a spring.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Hold {
+pub struct SpringParameters {
     /// Name of the link, for messages.
     pub name: String,
     /// Link it pulls on.
@@ -38,7 +38,7 @@ pub struct Hold {
 /// A spring with its anchor and time span.
 #[derive(Clone, Debug)]
 pub struct Spring {
-    hold: Hold,
+    parameters: SpringParameters,
     anchor: Anchor,
     /// True if the anchor's path starts at the position of the point when the spring is attached.
     from_point: bool,
@@ -48,7 +48,7 @@ pub struct Spring {
     span: Profile,
     corners: Vec<f64>,
     /// True while it is attached, as last reported.
-    held: bool,
+    attached: bool,
     /// True if it must be attached again: it has replaced one that was attached elsewhere.
     reattach: bool,
 }
@@ -56,57 +56,57 @@ pub struct Spring {
 impl Spring {
     /// A spring attached from `start` for `duration` seconds, which may be infinite. With
     /// `from_point` the anchor's path begins at the position of the point when it is attached.
-    pub fn new(hold: Hold, anchor: Anchor, from_point: bool, start: f64, duration: f64) -> Self {
+    pub fn new(parameters: SpringParameters, anchor: Anchor, from_point: bool, start: f64, duration: f64) -> Self {
         let span = Profile::new(Shape::Constant, start, duration);
         let mut corners = span.corners().to_vec();
         corners.extend(anchor.corners());
         let end = start + duration;
-        Spring { hold, anchor, from_point, start, end, span, corners, held: false, reattach: false }
+        Spring { parameters, anchor, from_point, start, end, span, corners, attached: false, reattach: false }
     }
 
     /// True if the other spring has the same anchor and point.
     fn has_same_ends(&self, other: &Spring) -> bool {
         let (a, b) = (&self.anchor, &other.anchor);
         let origin = self.from_point || (a.origin, a.start) == (b.origin, b.start);
-        let point = (self.hold.link, self.hold.point) == (other.hold.link, other.hold.point);
+        let point = (self.parameters.link, self.parameters.point) == (other.parameters.link, other.parameters.point);
         point && origin && self.from_point == other.from_point && a.path == b.path
     }
 
     fn point(&self, context: &ForceContext) -> Vector3<f64> {
-        let (rotation, origin) = context.frame(self.hold.link);
-        origin + rotation * self.hold.point
+        let (rotation, origin) = context.frame(self.parameters.link);
+        origin + rotation * self.parameters.point
     }
 }
 
 impl Force for Spring {
     fn continue_from(&mut self, former: &dyn Any, _time: f64) {
-        let Some(former) = former.downcast_ref::<Spring>().filter(|former| former.held) else { return };
-        self.held = true;
+        let Some(former) = former.downcast_ref::<Spring>().filter(|former| former.attached) else { return };
+        self.attached = true;
         self.reattach = !self.has_same_ends(former);
         if !self.reattach {
             self.anchor.clone_from(&former.anchor);
         }
     }
 
-    fn pass(&mut self, context: &ForceContext, report: &mut ReportEvent) {
-        let holds = (self.start..self.end).contains(&context.time);
-        if holds && (!self.held || self.reattach) {
+    fn on_corner(&mut self, context: &ForceContext, report: &mut ReportEvent) {
+        let attach = (self.start..self.end).contains(&context.time);
+        if attach && (!self.attached || self.reattach) {
             if self.from_point {
                 (self.anchor.origin, self.anchor.start) = (self.point(context), context.time);
             }
             let [x, y, z] = self.anchor.at(context.time, context.within).0.into();
-            report("spring", &self.hold.name, format!("attached to ({x:.4}, {y:.4}, {z:.4})"));
-        } else if self.held && !holds {
-            report("spring", &self.hold.name, "released".into());
+            report("spring", &self.parameters.name, format!("attached to ({x:.4}, {y:.4}, {z:.4})"));
+        } else if self.attached && !attach {
+            report("spring", &self.parameters.name, "released".into());
         }
-        (self.held, self.reattach) = (holds, false);
+        (self.attached, self.reattach) = (attach, false);
     }
 
     fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces) {
         if self.span.factor(context.time, context.within) == 0.0 {
             return;
         }
-        let Hold { link, stiffness, damping, rest_length, .. } = self.hold;
+        let SpringParameters { link, stiffness, damping, rest_length, .. } = self.parameters;
         let point = self.point(context);
         let (anchor, velocity) = self.anchor.at(context.time, context.within);
         let d = anchor - point;
@@ -121,7 +121,7 @@ impl Force for Spring {
     }
 
     fn dampers(&self, context: &ForceContext, damper: &mut dyn FnMut(Damper)) {
-        let Hold { link, damping, .. } = self.hold;
+        let SpringParameters { link, damping, .. } = self.parameters;
         if damping > 0.0 && self.span.factor(context.time, context.within) != 0.0 {
             damper(Damper { link, point: self.point(context), coefficient: damping });
         }

@@ -30,11 +30,11 @@ impl Force for Wrench {
             return;
         }
         let (rotation, origin) = context.frame(self.link);
-        let turn = |v: &Vector3<f64>| match &self.axes {
+        let to_world = |v: &Vector3<f64>| match &self.axes {
             Some(axes) => rotation * (axes * v),
             None => *v,
         };
-        let (force, moment) = (turn(&self.force) * strength, turn(&self.moment) * strength);
+        let (force, moment) = (to_world(&self.force) * strength, to_world(&self.moment) * strength);
         applied.wrench(context, self.link, &(origin + rotation * self.point), &force, &moment);
     }
 

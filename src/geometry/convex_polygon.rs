@@ -1,11 +1,12 @@
-//! Checks that points form a sole: a point, a segment, or a strictly convex planar polygon in order.
+//! Checks that points form a sole: a point, a segment, or a strictly convex planar polygon in
+//! order.
 
 use nalgebra::Vector3;
 
 /// Fraction of the polygon's size below which points coincide, or are in one plane.
-const RELATIVE: f64 = 1e-6;
+const TOLERANCE: f64 = 1e-6;
 
-/// Why points form no sole; points by index.
+/// Why points form no sole. Points are given by index.
 #[derive(Clone, Copy, PartialEq, Debug, thiserror::Error)]
 pub enum PolygonDefect {
     /// No points.
@@ -30,7 +31,7 @@ pub enum PolygonDefect {
     #[error("it is not convex, or its points are not in order: see point {0}")]
     NotConvex(usize),
     /// The corners turn more than once.
-    #[error("it goes round more than once: the points are not in order")]
+    #[error("it winds more than once: the points are not in order")]
     Winding,
 }
 
@@ -47,7 +48,7 @@ pub fn check(points: &[Vector3<f64>]) -> Result<(), PolygonDefect> {
     }
     let size = points.iter().map(|p| (p - points[0]).norm()).fold(0.0, f64::max);
     for (i, p) in points.iter().enumerate() {
-        if let Some(j) = points[..i].iter().position(|o| (p - o).norm() <= RELATIVE * size) {
+        if let Some(j) = points[..i].iter().position(|o| (p - o).norm() <= TOLERANCE * size) {
             return Err(PolygonDefect::Coincide(j, i));
         }
     }
@@ -56,11 +57,11 @@ pub fn check(points: &[Vector3<f64>]) -> Result<(), PolygonDefect> {
     }
     let normal = area_vector(points);
     // A bow tie may enclose no area although its points are distinct.
-    if normal.norm() <= RELATIVE * size * size {
+    if normal.norm() <= TOLERANCE * size * size {
         return Err(PolygonDefect::NoArea);
     }
     let normal = normal.normalize();
-    if let Some(i) = points.iter().position(|p| (p - points[0]).dot(&normal).abs() > RELATIVE * size) {
+    if let Some(i) = points.iter().position(|p| (p - points[0]).dot(&normal).abs() > TOLERANCE * size) {
         let off = (points[i] - points[0]).dot(&normal);
         return Err(PolygonDefect::NotFlat(i, off));
     }
@@ -70,7 +71,7 @@ pub fn check(points: &[Vector3<f64>]) -> Result<(), PolygonDefect> {
         let (a, b, c) = (points[i], points[(i + 1) % n], points[(i + 2) % n]);
         let (into, out) = ((b - a).normalize(), (c - b).normalize());
         let sine = into.cross(&out).dot(&normal);
-        if sine.abs() <= RELATIVE {
+        if sine.abs() <= TOLERANCE {
             return Err(PolygonDefect::OnLine((i + 1) % n));
         }
         if sine < 0.0 {

@@ -1,11 +1,15 @@
 //! Geometry without state: planes, polygons, convex hulls, the point of optimal stability.
 //!
-//! - `planar_hull`: the hull of points seen along a plane's normal, without allocation, for each tick of a run.
-//! - `outline`: the outline of a point set in space with a tolerance, for soles, and its simplification.
-//! - `spatial_hull`: hulls of bodies; `convex_polygon`, `simple_polygon`: checks of polygons that users give.
+//! - `planar_hull`: the hull of points projected along a plane's normal, computed in each tick
+//!   without allocation.
+//! - `outline`: the outline of a point set in space with a tolerance, for soles, and its
+//!   simplification.
+//! - `spatial_hull`: hulls of bodies.
+//! - `convex_polygon`, `simple_polygon`: checks of polygons in input files.
 //! - `stable_point`: the centre of the largest disc in a polygon.
 //!
-//! Imports nothing of this crate. Robots, scenarios, tasks, collision and the simulation call it.
+//! Imports: nothing of this crate. Used by: `robot`, `collision`, `task`, `scenario`, `sim`,
+//! `batch`.
 
 pub mod convex_polygon;
 pub mod outline;

@@ -2,10 +2,12 @@
 
 use nalgebra::Vector3;
 
-/// Convex outline of points seen along `up`, counter-clockwise, as the points themselves; repeated points and points on
-/// an edge are left out. One or two vertices come back when the points are one or on a line.
+/// Convex outline of points seen along `up`, counter-clockwise. Its vertices are given points;
+/// repeated points and points on an edge are left out. Equal points give one vertex, collinear
+/// points two.
 pub fn convex_outline(points: &[Vector3<f64>], up: &Vector3<f64>) -> Vec<Vector3<f64>> {
-    // The view's axes are the body axes nearest to level ones, so that the first vertex does not depend on rounding.
+    // The view's axes are the body axes nearest to level ones, so that the first vertex does not
+    // depend on rounding.
     let helper = if up.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
     let across = (helper - up * up.dot(&helper)).normalize();
     let along = up.cross(&across);
@@ -37,9 +39,9 @@ pub fn convex_outline(points: &[Vector3<f64>], up: &Vector3<f64>) -> Vec<Vector3
     outline.into_iter().map(|p| p.2).collect()
 }
 
-/// Drops the vertices that carry the least area until at most `most` are left.
-pub fn simplify(mut outline: Vec<Vector3<f64>>, most: usize) -> Vec<Vector3<f64>> {
-    while outline.len() > most.max(3) {
+/// Drops the vertices that enclose the least area until at most `max_vertices` are left.
+pub fn simplify(mut outline: Vec<Vector3<f64>>, max_vertices: usize) -> Vec<Vector3<f64>> {
+    while outline.len() > max_vertices.max(3) {
         let n = outline.len();
         let area = |i: usize| {
             let (a, b, c) = (outline[(i + n - 1) % n], outline[i], outline[(i + 1) % n]);
@@ -51,15 +53,16 @@ pub fn simplify(mut outline: Vec<Vector3<f64>>, most: usize) -> Vec<Vector3<f64>
     outline
 }
 
-/// The greatest distance between two vertices, and those two.
-pub fn longest(outline: &[Vector3<f64>]) -> (f64, [Vector3<f64>; 2]) {
+/// The greatest distance between two vertices, and these vertices.
+pub fn diameter(outline: &[Vector3<f64>]) -> (f64, [Vector3<f64>; 2]) {
     let pairs = outline.iter().enumerate().flat_map(|(i, a)| outline[i + 1..].iter().map(move |b| [*a, *b]));
     let length = |[a, b]: &[Vector3<f64>; 2]| (b - a).norm();
     let none = outline.first().copied().unwrap_or_default();
     pairs.max_by(|a, b| length(a).total_cmp(&length(b))).map_or((0.0, [none; 2]), |pair| (length(&pair), pair))
 }
 
-/// The least width of a convex outline seen along `up`: over its edges, the distance of the furthest vertex.
+/// The least width of a convex outline seen along `up`: over its edges, the distance of the
+/// furthest vertex.
 pub fn width(outline: &[Vector3<f64>], up: &Vector3<f64>) -> f64 {
     let n = outline.len();
     let off_edge = |i: usize| {

@@ -4,7 +4,7 @@ use super::Plane;
 use nalgebra::Vector3;
 
 /// Points nearer to a side of the hull than about this fraction of its size are not corners.
-const FLAT: f64 = 1e-12;
+const COLLINEAR: f64 = 1e-12;
 
 /// Replaces points by the corners of their convex hull, projected along the plane's normal.
 ///
@@ -29,8 +29,7 @@ pub fn convex_hull(points: &mut Vec<Vector3<f64>>, plane: &Plane) {
     }
     let n = points.len();
     // The chain is built behind the points and then moved to the front. Its turns are tested
-    // without tolerance: an end of a side, met before other points of that side, is as flat as
-    // those.
+    // without tolerance, which would drop the end of a side as well as the points between.
     for pass in 0..2 {
         let begin = points.len();
         for k in 0..n {
@@ -48,7 +47,7 @@ pub fn convex_hull(points: &mut Vec<Vector3<f64>>, plane: &Plane) {
     let flat_corner = |points: &[Vector3<f64>], i: usize| {
         let n = points.len();
         let (a, b, c) = (&points[(i + n - 1) % n], &points[i], &points[(i + 1) % n]);
-        turn(a, b, c) <= FLAT * size * size && (flat(b) - flat(a)).dot(&(flat(c) - flat(b))) > 0.0
+        turn(a, b, c) <= COLLINEAR * size * size && (flat(b) - flat(a)).dot(&(flat(c) - flat(b))) > 0.0
     };
     while points.len() > 2 {
         let Some(i) = (0..points.len()).find(|i| flat_corner(points, *i)) else { break };
@@ -57,7 +56,7 @@ pub fn convex_hull(points: &mut Vec<Vector3<f64>>, plane: &Plane) {
     // The first corner is the leftmost, the lowest of those that are leftmost up to rounding.
     let before = |i: usize, k: usize| {
         let (a, b) = (flat(&points[i]), flat(&points[k]));
-        a.x < b.x - FLAT * size || a.x < b.x + FLAT * size && a.y < b.y
+        a.x < b.x - COLLINEAR * size || a.x < b.x + COLLINEAR * size && a.y < b.y
     };
     let first = (1..points.len()).fold(0, |first, i| if before(i, first) { i } else { first });
     points.rotate_left(first);

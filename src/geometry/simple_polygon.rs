@@ -1,16 +1,17 @@
 //! Checks that corners form a simple polygon: its border does not touch itself.
 
-/// Most corners: each edge is compared with all others.
-const MOST_CORNERS: usize = 1000;
+/// Greatest number of corners: each edge is compared with all others.
+const MAX_CORNERS: usize = 1000;
 
-/// The defect of a polygon, as text that follows its name, with the index of the corner that has it, if one does.
+/// The defect of a polygon, if it has one: the index of the corner concerned, if any, and a text
+/// that follows the polygon's name.
 pub fn defect(corners: &[[f64; 2]]) -> Option<(Option<usize>, String)> {
     let n = corners.len();
     if n < 3 {
         return Some((None, format!("must have at least 3 corners, not {n}")));
     }
-    if n > MOST_CORNERS {
-        return Some((None, format!("has {n} corners, at most {MOST_CORNERS} are allowed")));
+    if n > MAX_CORNERS {
+        return Some((None, format!("has {n} corners, at most {MAX_CORNERS} are allowed")));
     }
     for (i, corner) in corners.iter().enumerate() {
         if let Some(j) = corners[..i].iter().position(|other| other == corner) {
@@ -24,7 +25,7 @@ pub fn defect(corners: &[[f64; 2]]) -> Option<(Option<usize>, String)> {
             let touch = match (j == i + 1, i == 0 && j == n - 1) {
                 (true, _) => folds(corners[i], corners[j], corners[(j + 1) % n]),
                 (_, true) => folds(corners[j], corners[0], corners[1]),
-                _ => meet(edge(i), edge(j)),
+                _ => intersect(edge(i), edge(j)),
             };
             if touch {
                 let message =
@@ -47,7 +48,7 @@ fn folds(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> bool {
 }
 
 /// True when two segments have a common point.
-fn meet((a, b): ([f64; 2], [f64; 2]), (c, d): ([f64; 2], [f64; 2])) -> bool {
+fn intersect((a, b): ([f64; 2], [f64; 2]), (c, d): ([f64; 2], [f64; 2])) -> bool {
     let sides = [turn(a, b, c), turn(a, b, d), turn(c, d, a), turn(c, d, b)];
     let between = |x: f64, y: f64| (x < 0.0 && y > 0.0) || (x > 0.0 && y < 0.0);
     let within =
@@ -88,9 +89,9 @@ mod tests {
             (&[[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [1.0, 1.0], [0.0, 1.0]], None, "crosses or touches itself"),
             (&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 0.0], [0.0, 1.0]], None, "crosses or touches itself"),
         ];
-        for (corners, corner, words) in bad {
-            let (at, message) = defect(corners).expect(words);
-            assert!(at == corner && message.contains(words), "{message}");
+        for (corners, corner, expected) in bad {
+            let (at, message) = defect(corners).expect(expected);
+            assert!(at == corner && message.contains(expected), "{message}");
         }
     }
 }

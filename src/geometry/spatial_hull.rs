@@ -36,7 +36,8 @@ pub fn outermost(points: &[Vector3<f64>], directions: &[Vector3<f64>]) -> Vec<Ve
 /// Vertices, and triangles by the indices of their corners.
 pub type VerticesAndTriangles = (Vec<Point3<f64>>, Vec<[u32; 3]>);
 
-/// Vertices and triangles of the convex hull, triangles counter-clockwise seen from outside; `None` for flat bodies.
+/// Vertices and triangles of the convex hull, triangles counter-clockwise seen from outside; `None`
+/// for flat bodies.
 pub fn convex_hull_3d(points: &[Point3<f64>]) -> Option<VerticesAndTriangles> {
     let input: Vec<ParryVector> = points.iter().map(|p| ParryVector::new(p.x, p.y, p.z)).collect();
     let (vertices, triangles) = try_convex_hull(&input).ok()?;

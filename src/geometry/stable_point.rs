@@ -2,12 +2,12 @@
 //! largest inscribed discs.
 //!
 //! ```text
-//! r(x) = min_i (n_i . x - d_i),   locus = { x : r(x) = max r }        n_i inward unit normals of the edges
+//! r(x) = min_i (n_i . x - d_i),   locus = { x : r(x) = max r }
 //! ```
 //!
-//! Source: [Hale 2008], section II.B, footnote 2. r is concave, so the locus is a point or, where
-//! two edges are parallel, a segment between them. The result for a line is its mid-point, for a
-//! point the point itself.
+//! where n_i are the inward unit normals of the edges (footnote 2 of section II.B of [Hale 2008]).
+//! r is concave, so the locus is a point or, where two edges are parallel, a segment between them.
+//! The result for a line is its mid-point, for a point the point itself.
 //!
 //! The largest radius is found by shrinking the polygon. All edges move inward at unit speed, a
 //! corner between normals a and b at `(a + b) / (1 + a . b)`. The neighbours of a vanished edge
@@ -23,7 +23,7 @@
 use nalgebra::Vector2;
 
 /// Taper below which edges count as parallel, relative to the radius; see the module.
-pub const TAPER: f64 = 1e-6;
+const TAPER: f64 = 1e-6;
 
 /// Sine of the angle below which neighbours no longer meet.
 const PARALLEL: f64 = 1e-12;
@@ -69,12 +69,11 @@ pub fn stable_point(
         let along = (end - start).normalize();
         edges.push(Edge { normal: Vector2::new(-along.y, along.x), along, start, anchor: start });
     }
-    // The original edges stay in the first half.
     let n = edges.len();
     edges.extend_from_within(..);
-    let (given, shrinking) = edges.split_at_mut(n);
+    let (original, shrinking) = edges.split_at_mut(n);
     let (centre, radius) = shrink(shrinking);
-    Some(StablePoint { point: middle(given, centre, radius), radius })
+    Some(StablePoint { point: middle(original, centre, radius), radius })
 }
 
 /// Velocity of the corner between two neighbours; `None` if they are parallel or part.
@@ -100,28 +99,28 @@ fn shrink(edges: &mut [Edge]) -> (Vector2<f64>, f64) {
             let (before, here, after) = (&edges[(i + n - 1) % n], &edges[i], &edges[(i + 1) % n]);
             let ends = corner_velocity(before, here).zip(corner_velocity(here, after));
             let length = (after.start - here.start).dot(&here.along).max(0.0);
-            let left = ends.map_or(0.0, |(start, end)| length / (start - end).dot(&here.along));
+            let remaining = ends.map_or(0.0, |(start, end)| length / (start - end).dot(&here.along));
             // An edge that grows never vanishes.
-            if left >= 0.0 && left < first.0 {
-                first = (left, i);
+            if remaining >= 0.0 && remaining < first.0 {
+                first = (remaining, i);
             }
         }
-        let (left, gone) = first;
-        if left == f64::INFINITY {
+        let (remaining, vanished) = first;
+        if remaining == f64::INFINITY {
             return (edges[0].start, time);
         }
-        time += left;
+        time += remaining;
         for i in 0..n {
             let velocity = corner_velocity(&edges[(i + n - 1) % n], &edges[i]).unwrap_or_default();
-            edges[i].start += velocity * left;
+            edges[i].start += velocity * remaining;
         }
-        let (before, after) = ((gone + n - 1) % n, (gone + 1) % n);
-        let met = edges[gone].start;
+        let (before, after) = ((vanished + n - 1) % n, (vanished + 1) % n);
+        let corner = edges[vanished].start;
         if n == 3 || corner_velocity(&edges[before], &edges[after]).is_none() {
-            return (met, time);
+            return (corner, time);
         }
-        edges[after].start = met;
-        edges.copy_within(gone + 1..n, gone);
+        edges[after].start = corner;
+        edges.copy_within(vanished + 1..n, vanished);
         n -= 1;
     }
 }

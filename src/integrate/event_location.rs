@@ -4,10 +4,10 @@
 //! bracket with all of them positive on the left and some negative on the right, regula falsi with
 //! Illinois weights per function, safeguarded by bisection, converges to the first sign change.
 
-/// Finds the first theta in (`a`, `b`] where any of the `n` functions is negative.
-/// `evaluate(theta, g)` fills the values. `left` and `right` hold the values at the ends and are
-/// overwritten; on return `right` holds those at the returned theta, where at least one is
-/// negative. The bracket is at most `width` wide at the end.
+/// Finds the first theta in (`a`, `b`] where any of the functions is negative, in a bracket of
+/// `width`. `evaluate(theta, g)` computes the values. `left` and `right` contain the values at the
+/// ends and are overwritten; on return `right` contains those at the returned theta, where at least
+/// one is negative.
 pub fn first_crossing(
     mut a: f64,
     mut b: f64,

@@ -1,22 +1,26 @@
 //! Time integration of `dy/dt = f(t, y)`.
 //!
 //! A small [`System`] trait, explicit Runge-Kutta methods with dense output ([`RungeKutta`]; one
-//! [`Tableau`] per method: `dopri5`, `bs23`, `rk4`), step-size control ([`StepControl`]) and event
-//! location on dense output ([`event_location`]). A new explicit method is one file with a tableau.
+//! [`Tableau`] per method: `dopri5`, `bs23`, `rk4`), a Rosenbrock method for a stiff part of low
+//! rank ([`Rosenbrock`]), step-size control ([`StepControl`]) and event location on dense output
+//! ([`event_location`]). A new explicit method is one file with a tableau.
 //!
-//! Imports nothing of this crate: no robots, no contact. `sim` steps with it, `assemble` chooses
-//! the tableau.
+//! `sim` steps with it, `assemble` chooses the tableau.
+//!
+//! Imports: nothing of this crate. Used by: `sim`, `assemble`.
 
 pub mod bs23;
 pub mod dopri5;
 pub mod event_location;
 pub mod rk4;
+pub mod rosenbrock;
 pub mod runge_kutta;
 pub mod step_control;
 
 pub use bs23::BS23;
 pub use dopri5::DOPRI5;
 pub use rk4::RK4;
+pub use rosenbrock::{Rosenbrock, StiffPart};
 pub use runge_kutta::{RungeKutta, Tableau};
 pub use step_control::StepControl;
 

@@ -4,10 +4,10 @@
 //! k_i = f(t + c_i h, y + h sum_j a_ij k_j)      y1 = y + h sum_j a_nj k_j      error = h sum_j e_j k_j
 //! ```
 //!
-//! A method is a [`Tableau`]. Its last row holds the weights, so the last stage is evaluated at the
-//! end of the step, and the system is left there. (That stage could be the first of the next step,
-//! "first same as last". A projection changes the state between steps, so the stage is evaluated
-//! again.)
+//! A method is a [`Tableau`]. Its last row contains the weights, so the last stage is evaluated at
+//! the end of the step, and the system is left there. (That stage could be the first of the next
+//! step, "first same as last". A projection changes the state between steps, so the stage is
+//! evaluated again.)
 
 use super::System;
 
@@ -22,7 +22,7 @@ pub struct Tableau {
     pub dense_order: u32,
     /// Times of the stages, fractions of the step.
     pub c: &'static [f64],
-    /// Coefficients a_ij of each stage; the last row holds the weights of the solution.
+    /// Coefficients a_ij of each stage; the last row contains the weights of the solution.
     pub a: &'static [&'static [f64]],
     /// Weights of the error estimate; empty for a method without one.
     pub error: &'static [f64],
@@ -71,6 +71,11 @@ impl RungeKutta {
         system.derivative(t, y, &mut self.k[0]);
     }
 
+    /// Derivative at the start of the step.
+    pub fn slope(&self) -> &[f64] {
+        &self.k[0]
+    }
+
     /// Tries a step of size `h` from the point given to [`begin`](Self::begin). Evaluates every
     /// stage but the first, the last at the end point. The result is in `end`.
     pub fn attempt(&mut self, system: &mut impl System, t: f64, h: f64) {
@@ -90,9 +95,9 @@ impl RungeKutta {
         }
     }
 
-    /// Largest component of the error estimate of the last attempt over
-    /// `absolute + relative * max(|y|, |y1|)`, over the first `controlled` components; infinite
-    /// where it is not a number, zero for a method without an estimate.
+    /// Greatest ratio of the error estimate of the last attempt to
+    /// `absolute + relative * max(|y|, |y1|)` among the first `controlled` components; infinite if
+    /// not finite, zero for a method without an estimate.
     pub fn error(&self, relative: f64, absolute: f64, controlled: usize) -> f64 {
         let mut worst: f64 = 0.0;
         for i in 0..controlled {

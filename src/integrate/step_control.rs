@@ -1,5 +1,4 @@
-//! Step-size control: the PI controller of Hairer and Wanner, *Solving Ordinary Differential
-//! Equations II*, section IV.2.
+//! Step-size control: the PI controller of [Hairer 1996], section IV.2.
 
 /// PI controller that chooses the next step from the errors of the last two.
 #[derive(Clone, Copy, Debug)]

@@ -6,7 +6,7 @@
 //!
 //! An artificial variable z0 makes `w = M z + q + z0` feasible. It enters the basis for the most
 //! negative row. From then on the complement of the variable that left enters, until z0 leaves
-//! (solved) or nothing blocks (a ray). For copositive M, as in contact with friction, a ray means
+//! (solved) or no row blocks (a ray). For copositive M, as in contact with friction, a ray means
 //! that the constraints contradict each other.
 //!
 //! The dictionary (basic variables in terms of the others) is dense: n rows, n + 1 columns and the
@@ -16,9 +16,10 @@
 //!
 //! Sources: [Lemke 1965]; [Cottle 1992], sections 4.4 and 4.9.
 
-/// Smaller coefficients do not block: rounding of a singular matrix with entries of order one,
-/// grown over some hundred pivots.
-const BLOCKS: f64 = 1e-9;
+/// Least coefficient that blocks. Smaller ones are rounding of a singular matrix with entries of
+/// order one, grown over some hundred pivots.
+const LEAST_SLOPE: f64 = 1e-9;
+
 /// Outcome of the algorithm.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum LemkeOutcome {
@@ -63,7 +64,7 @@ impl Lemke {
         }
     }
 
-    /// Begins a problem of `n` unknowns, M and q zero.
+    /// Begins a problem of `n` unknowns with zero M and q.
     pub fn begin(&mut self, n: usize) {
         self.n = n;
         let stride = n + 2;
@@ -89,8 +90,8 @@ impl Lemke {
     }
 
     /// Solves; `z` is the solution, or zero. Ratios that differ by less than `tie`, relative to the
-    /// constants, count as equal: small is accurate, large survives rounding. Returns the outcome
-    /// and the number of pivots. M and q are overwritten.
+    /// constants, count as equal: a small one is accurate, a large one tolerates rounding. Returns
+    /// the outcome and the number of pivots. M and q are overwritten.
     pub fn solve(&mut self, z: &mut [f64], tie: f64) -> (LemkeOutcome, usize) {
         let (n, stride) = (self.n, self.n + 2);
         z[..n].fill(0.0);
@@ -136,7 +137,7 @@ impl Lemke {
         let mut least = f64::INFINITY;
         for i in 0..n {
             let slope = -self.table[i * stride + column];
-            if slope > BLOCKS {
+            if slope > LEAST_SLOPE {
                 least = least.min(self.constant(i).max(0.0) / slope);
             }
         }
@@ -146,14 +147,14 @@ impl Lemke {
         self.ties.clear();
         for i in 0..n {
             let slope = -self.table[i * stride + column];
-            if slope > BLOCKS && self.constant(i).max(0.0) - least * slope <= self.tie[1] {
+            if slope > LEAST_SLOPE && self.constant(i).max(0.0) - least * slope <= self.tie[1] {
                 if self.basic[i] == 2 * n {
                     return Some(i);
                 }
                 self.ties.push(i);
             }
         }
-        // Rows that are not least drop out, column by column of the inverse basis.
+        // Rows that are not least are dropped, column by column of the inverse basis.
         for j in 0..n {
             if self.ties.len() == 1 {
                 break;

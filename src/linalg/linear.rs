@@ -2,8 +2,8 @@
 //!
 //! Gaussian elimination with complete pivoting on a small square system. Pivots below `RANK` times
 //! the largest count as zero. A consistent redundant system has many solutions; the one of least
-//! norm is returned. Its motions do not depend on which redundant rows were dropped, nor the
-//! solution on the order of the unknowns.
+//! norm is returned. The resulting motions do not depend on which redundant rows were dropped, and
+//! the solution does not depend on the order of the unknowns.
 //!
 //! With the pivoted factors U = [U_1 U_2] of rank r, the null space is spanned by the columns of
 //! [-Z; 1], `U_1 Z = U_2`, and the least-norm solution of the basic one (x_b, 0) is
@@ -16,9 +16,9 @@ const RANK: f64 = 1e-12;
 /// Scratch for systems up to a given size, and the last factorisation.
 #[derive(Clone, Debug)]
 pub struct Linear {
-    /// Which unknown each column holds after pivoting.
+    /// Unknown of each column after pivoting.
     column: Vec<usize>,
-    /// Which row was exchanged with row k at step k.
+    /// Row that was exchanged with row k at step k.
     row: Vec<usize>,
     rank: usize,
     scratch: Vec<f64>,

@@ -1,7 +1,8 @@
-//! Dense linear algebra of small systems that nalgebra does not have: solves with redundant rows, in-place Cholesky,
-//! the discrete Riccati equation, and Lemke's method for linear complementarity problems.
+//! Dense linear algebra of small systems that nalgebra does not provide: solves with redundant
+//! rows, in-place Cholesky, the discrete Riccati equation, and Lemke's method for linear
+//! complementarity problems.
 //!
-//! Imports nothing of this crate. `contact` and `task` call it.
+//! Imports: nothing of this crate. Used by: `contact`, `task`.
 
 pub mod cholesky;
 pub mod lemke;

@@ -15,7 +15,7 @@
 
 use nalgebra::{Matrix4, Vector4};
 
-/// Greatest number of doublings. Each squares the closed loop, so 30 are a thousand million steps.
+/// Greatest number of doublings. Each squares the closed loop, so 30 amount to 1e9 steps.
 const MOST_DOUBLINGS: usize = 30;
 
 /// The stabilising P and its residual, relative to its greatest entry.
@@ -23,7 +23,7 @@ const MOST_DOUBLINGS: usize = 30;
 pub struct Solution {
     /// Solution P.
     pub p: Matrix4<f64>,
-    /// Greatest entry of the right side less the left over the greatest of P.
+    /// Greatest entry of the right side less the left, relative to the greatest of P.
     pub residual: f64,
 }
 
@@ -60,13 +60,13 @@ pub fn solve(a: &Matrix4<f64>, b: &Vector4<f64>, q: &Matrix4<f64>, r: f64) -> Op
 const SOLVED: f64 = 1e-10;
 
 /// `P = A^T P A + Q` for a stable A, by doubling: a step of Newton's method for the Riccati
-/// equation when A is the closed loop and Q what it costs.
+/// equation when A is the closed loop and Q its cost.
 fn lyapunov(mut a: Matrix4<f64>, mut p: Matrix4<f64>) -> Matrix4<f64> {
     for _ in 0..MOST_DOUBLINGS {
-        let more = a.transpose() * p * a;
-        p += more;
+        let term = a.transpose() * p * a;
+        p += term;
         a *= a;
-        if more.abs().max() <= 1e-17 * p.abs().max() {
+        if term.abs().max() <= 1e-17 * p.abs().max() {
             break;
         }
     }

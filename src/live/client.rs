@@ -1,4 +1,4 @@
-//! One client: from its first byte to its last.
+//! Connection of one client: handshake, requests, bounded queues.
 
 use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Write};
@@ -9,32 +9,34 @@ use tungstenite::protocol::frame::coding::CloseCode;
 use tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
-use crate::live::book::Entry;
-use crate::live::handshake::{self, Answer};
+use crate::live::handshake::{self, HandshakeResult};
 use crate::live::protocol::{self, Request, Subscription};
+use crate::live::topic_registry::TopicEntry;
 
-/// What a client may be behind, bytes: a second or so of a humanoid's log at real time is a megabyte.
-const BACKLOG: usize = 16 << 20;
-/// What it may leave unread of what is not dropped, bytes: descriptions it asked for again and again.
-const OWED: usize = 128 << 20;
-/// A request is not longer, bytes.
-const REQUEST: usize = 1 << 20;
-/// Subscriptions it may have.
-const SUBSCRIPTIONS: usize = 1024;
-/// How long a handshake may take.
-const PATIENCE: Duration = Duration::from_secs(5);
+/// Largest backlog of messages that may be dropped, bytes. A second of a humanoid's log is about a
+/// megabyte.
+const MAX_BACKLOG: usize = 16 << 20;
+/// Largest queue of messages that are never dropped, bytes. It grows if a client keeps requesting
+/// descriptions.
+const MAX_RELIABLE: usize = 128 << 20;
+/// Largest length of a request, bytes.
+const MAX_REQUEST: usize = 1 << 20;
+/// Largest number of subscriptions.
+const MAX_SUBSCRIPTIONS: usize = 1024;
+/// Time limit of a handshake.
+const HANDSHAKE_LIMIT: Duration = Duration::from_secs(5);
 
-/// See the module.
+/// A connected client with its subscriptions and queues.
 pub(super) struct Client {
-    line: Line,
+    connection: Connection,
     pub subscriptions: Vec<Subscription>,
-    /// Never dropped: who the server is, topics, what holds for the whole run.
-    first: VecDeque<Message>,
-    owed: usize,
-    /// What is dropped when there is too much of it, the oldest first.
+    /// Messages that are never dropped: server, topics, retained messages.
+    reliable: VecDeque<Message>,
+    reliable_bytes: usize,
+    /// Messages of which the oldest are dropped when there are too many.
     backlog: VecDeque<Message>,
-    behind: usize,
-    /// Did the socket take less than it was given?
+    backlog_bytes: usize,
+    /// True if the socket has accepted a message only in part.
     blocked: bool,
     warned: bool,
     /// Messages of topics: sent, and dropped.
@@ -42,34 +44,34 @@ pub(super) struct Client {
     pub dropped: u64,
 }
 
-enum Line {
-    Opening { stream: TcpStream, came: Vec<u8>, since: Instant },
+enum Connection {
+    Opening { stream: TcpStream, received: Vec<u8>, since: Instant },
     Open(Box<WebSocket<TcpStream>>),
-    Gone,
+    Closed,
 }
 
-/// What came of looking at a client.
-pub(super) enum Heard {
-    /// Nothing that concerns others.
-    Nothing,
-    /// It is connected, and must be told of what there is.
+/// Result of reading from a client.
+pub(super) enum ClientEvent {
+    /// Nothing to handle.
+    Ignored,
+    /// The handshake is complete; it needs the list of topics.
     Opened,
-    /// It wants something.
-    Asked(Request),
+    /// A request.
+    Request(Request),
 }
 
 impl Client {
-    /// A connection that was accepted.
+    /// Wraps an accepted connection.
     pub fn new(stream: TcpStream) -> std::io::Result<Self> {
         stream.set_nonblocking(true)?;
         stream.set_nodelay(true)?;
         Ok(Client {
-            line: Line::Opening { stream, came: Vec::new(), since: Instant::now() },
+            connection: Connection::Opening { stream, received: Vec::new(), since: Instant::now() },
             subscriptions: Vec::new(),
-            first: VecDeque::new(),
-            owed: 0,
+            reliable: VecDeque::new(),
+            reliable_bytes: 0,
             backlog: VecDeque::new(),
-            behind: 0,
+            backlog_bytes: 0,
             blocked: false,
             warned: false,
             sent: 0,
@@ -78,38 +80,38 @@ impl Client {
     }
 
     pub fn is_open(&self) -> bool {
-        matches!(self.line, Line::Open(_))
+        matches!(self.connection, Connection::Open(_))
     }
 
-    pub fn is_gone(&self) -> bool {
-        matches!(self.line, Line::Gone)
+    pub fn is_closed(&self) -> bool {
+        matches!(self.connection, Connection::Closed)
     }
 
-    /// Is there something to send?
-    pub fn is_behind(&self) -> bool {
-        self.is_open() && (self.blocked || !self.first.is_empty() || !self.backlog.is_empty())
+    /// True if there is data to send.
+    pub fn has_queued(&self) -> bool {
+        self.is_open() && (self.blocked || !self.reliable.is_empty() || !self.backlog.is_empty())
     }
 
-    /// Messages of topics that wait.
+    /// Number of queued topic messages.
     pub fn waiting(&self) -> u64 {
         self.backlog.iter().filter(|message| is_counted(message)).count() as u64
     }
 
-    /// Looks whether it said something; none when there is nothing more.
-    pub fn hear(&mut self) -> Option<Heard> {
-        match &mut self.line {
-            Line::Gone => None,
-            Line::Opening { .. } => self.open(),
-            Line::Open(socket) => match socket.read() {
+    /// Reads the next event; none if there is no more data.
+    pub fn receive(&mut self) -> Option<ClientEvent> {
+        match &mut self.connection {
+            Connection::Closed => None,
+            Connection::Opening { .. } => self.continue_handshake(),
+            Connection::Open(socket) => match socket.read() {
                 Ok(Message::Text(text)) => {
                     let request = serde_json::from_str(&text);
                     if request.is_err() {
-                        self.owe(Message::text(protocol::status(protocol::WARNING, "this is no request")));
+                        self.queue_reliable(Message::text(protocol::status(protocol::WARNING, "invalid request")));
                     }
-                    Some(request.map_or(Heard::Nothing, Heard::Asked))
+                    Some(request.map_or(ClientEvent::Ignored, ClientEvent::Request))
                 }
-                // What clients publish, and pings, which are answered.
-                Ok(_) => Some(Heard::Nothing),
+                // Published messages are ignored; the library answers pings.
+                Ok(_) => Some(ClientEvent::Ignored),
                 Err(error) => {
                     self.fail(&error);
                     None
@@ -118,113 +120,117 @@ impl Client {
         }
     }
 
-    fn open(&mut self) -> Option<Heard> {
-        let Line::Opening { stream, came, since } = &mut self.line else { return None };
-        let mut piece = [0; 4096];
-        match stream.read(&mut piece) {
-            Ok(0) => self.line = Line::Gone,
+    fn continue_handshake(&mut self) -> Option<ClientEvent> {
+        let Connection::Opening { stream, received, since } = &mut self.connection else { return None };
+        let mut buffer = [0; 4096];
+        match stream.read(&mut buffer) {
+            Ok(0) => self.connection = Connection::Closed,
             Ok(length) => {
-                came.extend_from_slice(&piece[..length]);
-                match handshake::answer(came) {
-                    Answer::Wait => return Some(Heard::Nothing),
-                    Answer::Refuse(response) => {
-                        // It is short, and the first that is sent.
+                received.extend_from_slice(&buffer[..length]);
+                match handshake::parse(received) {
+                    HandshakeResult::Incomplete => return Some(ClientEvent::Ignored),
+                    HandshakeResult::Refuse(response) => {
+                        // The response is short and the first data sent, so one write suffices.
                         let _ = stream.write_all(response.as_bytes());
-                        self.line = Line::Gone;
+                        self.connection = Connection::Closed;
                     }
-                    Answer::Accept(response, length) => {
-                        let rest = came.split_off(length);
+                    HandshakeResult::Accept(response, length) => {
+                        let rest = received.split_off(length);
                         let written = stream.write_all(response.as_bytes());
-                        let Line::Opening { stream, .. } = std::mem::replace(&mut self.line, Line::Gone) else {
+                        let Connection::Opening { stream, .. } =
+                            std::mem::replace(&mut self.connection, Connection::Closed)
+                        else {
                             return None;
                         };
                         if written.is_ok() {
                             let config = WebSocketConfig::default()
-                                .max_message_size(Some(REQUEST))
-                                .max_frame_size(Some(REQUEST));
+                                .max_message_size(Some(MAX_REQUEST))
+                                .max_frame_size(Some(MAX_REQUEST));
                             let socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
-                            self.line = Line::Open(Box::new(socket));
-                            return Some(Heard::Opened);
+                            self.connection = Connection::Open(Box::new(socket));
+                            return Some(ClientEvent::Opened);
                         }
                     }
                 }
             }
-            Err(error) if error.kind() == ErrorKind::WouldBlock && since.elapsed() < PATIENCE => {}
+            Err(error) if error.kind() == ErrorKind::WouldBlock && since.elapsed() < HANDSHAKE_LIMIT => {}
             Err(error) if error.kind() == ErrorKind::Interrupted => {}
-            Err(_) => self.line = Line::Gone,
+            Err(_) => self.connection = Connection::Closed,
         }
         None
     }
 
-    /// Subscribes; false when it has too many.
-    pub fn subscribe(&mut self, wanted: Subscription) -> bool {
-        self.subscriptions.retain(|s| s.id != wanted.id);
-        let fits = self.subscriptions.len() < SUBSCRIPTIONS;
+    /// Adds a subscription; false if there are too many.
+    pub fn subscribe(&mut self, subscription: Subscription) -> bool {
+        self.subscriptions.retain(|s| s.id != subscription.id);
+        let fits = self.subscriptions.len() < MAX_SUBSCRIPTIONS;
         if fits {
-            self.subscriptions.push(wanted);
+            self.subscriptions.push(subscription);
         }
         fits
     }
 
-    /// Will send this whatever happens.
-    pub fn owe(&mut self, message: Message) {
-        self.owed += message.len();
-        self.first.push_back(message);
-        if self.owed > OWED {
-            self.line = Line::Gone;
+    /// Queues a message that is never dropped.
+    pub fn queue_reliable(&mut self, message: Message) {
+        self.reliable_bytes += message.len();
+        self.reliable.push_back(message);
+        if self.reliable_bytes > MAX_RELIABLE {
+            self.connection = Connection::Closed;
         }
     }
 
-    /// Will send what holds for the whole run.
-    pub fn owe_kept(&mut self, subscription: u32, entry: &Entry) {
-        for (time, bytes) in entry.kept.iter() {
-            self.owe(Message::binary(protocol::message_data(subscription, *time, bytes)));
+    /// Queues the retained messages of a topic.
+    pub fn queue_retained(&mut self, subscription: u32, entry: &TopicEntry) {
+        for (time, bytes) in entry.retained.iter() {
+            self.queue_reliable(Message::binary(protocol::message_data(subscription, *time, bytes)));
         }
     }
 
-    /// Will send all that waits before what is owed from now on.
-    pub fn owe_backlog(&mut self) {
-        while let Some(message) = next(&mut self.backlog, &mut self.behind) {
-            self.owe(message);
+    /// Moves the backlog to the queue that is never dropped, so that it is sent before later
+    /// messages of that queue.
+    pub fn promote_backlog(&mut self) {
+        while let Some(message) = next(&mut self.backlog, &mut self.backlog_bytes) {
+            self.queue_reliable(message);
         }
     }
 
-    /// Will send this unless too much of it waits.
-    pub fn offer(&mut self, message: Message) {
-        self.behind += message.len();
+    /// Queues a message that may be dropped.
+    pub fn queue(&mut self, message: Message) {
+        self.backlog_bytes += message.len();
         self.backlog.push_back(message);
-        while self.behind > BACKLOG
-            && let Some(oldest) = next(&mut self.backlog, &mut self.behind)
+        while self.backlog_bytes > MAX_BACKLOG
+            && let Some(oldest) = next(&mut self.backlog, &mut self.backlog_bytes)
         {
             self.dropped += u64::from(is_counted(&oldest));
             if !std::mem::replace(&mut self.warned, true) {
-                // Lichtblick knows these words, and says what to do.
-                self.owe(Message::text(protocol::status(protocol::WARNING, "Send buffer limit reached")));
+                // Lichtblick recognizes this text and shows advice.
+                self.queue_reliable(Message::text(protocol::status(protocol::WARNING, "Send buffer limit reached")));
             }
         }
     }
 
-    /// Gives the socket as much as it takes. Did it take anything?
+    /// Writes as much as the socket accepts. Returns whether it accepted anything.
     pub fn send(&mut self) -> bool {
-        let mut took = false;
+        let mut progress = false;
         loop {
-            let Line::Open(socket) = &mut self.line else { return took };
+            let Connection::Open(socket) = &mut self.connection else { return progress };
             let message = match self.blocked {
                 true => None,
-                false => next(&mut self.first, &mut self.owed).or_else(|| next(&mut self.backlog, &mut self.behind)),
+                false => next(&mut self.reliable, &mut self.reliable_bytes)
+                    .or_else(|| next(&mut self.backlog, &mut self.backlog_bytes)),
             };
             let result = match message {
                 Some(message) => {
                     self.sent += u64::from(is_counted(&message));
-                    took = true;
+                    progress = true;
                     socket.write(message)
                 }
                 None => {
                     let flushed = socket.flush();
-                    took |= self.blocked && flushed.is_ok();
+                    progress |= self.blocked && flushed.is_ok();
                     self.blocked &= flushed.is_err();
                     match flushed {
-                        Ok(()) if self.first.is_empty() && self.backlog.is_empty() => return took,
+                        Ok(()) if self.reliable.is_empty() && self.backlog.is_empty() => return progress,
                         flushed => flushed,
                     }
                 }
@@ -232,44 +238,44 @@ impl Client {
             if let Err(error) = result {
                 self.fail(&error);
                 self.blocked = true;
-                return took;
+                return progress;
             }
         }
     }
 
-    /// Drops what waits; how much that was is counted.
-    pub fn forget(&mut self) {
+    /// Drops the backlog and counts its messages.
+    pub fn drop_backlog(&mut self) {
         self.dropped += self.waiting();
         self.backlog.clear();
-        self.behind = 0;
+        self.backlog_bytes = 0;
     }
 
-    /// Takes leave, if it listens.
+    /// Closes the connection with a close frame.
     pub fn close(&mut self) {
-        if let Line::Open(socket) = &mut self.line {
-            let (code, reason) = (CloseCode::Away, "the run is over".into());
+        if let Connection::Open(socket) = &mut self.connection {
+            let (code, reason) = (CloseCode::Away, "the run has ended".into());
             let _ = socket.close(Some(CloseFrame { code, reason }));
             let _ = socket.flush();
         }
-        self.line = Line::Gone;
+        self.connection = Connection::Closed;
     }
 
     fn fail(&mut self, error: &Error) {
-        let waits = matches!(error, Error::Io(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted));
-        if !waits {
-            self.line = Line::Gone;
+        let retry = matches!(error, Error::Io(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted));
+        if !retry {
+            self.connection = Connection::Closed;
         }
     }
 }
 
-/// Takes the oldest of a queue of so many bytes.
+/// Removes the oldest message of a queue and subtracts its length from `bytes`.
 fn next(queue: &mut VecDeque<Message>, bytes: &mut usize) -> Option<Message> {
     let message = queue.pop_front()?;
     *bytes -= message.len();
     Some(message)
 }
 
-/// Is it a message of a topic?
+/// True for a topic message.
 fn is_counted(message: &Message) -> bool {
     matches!(message, Message::Binary(bytes) if protocol::is_message(bytes))
 }

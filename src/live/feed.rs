@@ -1,22 +1,24 @@
-//! The simulation's side: collects an instant's messages and hands them over.
+//! Simulation side of the stream: collects the messages of an instant and queues them for the
+//! server thread.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-use crate::live::book::Book;
+use crate::live::topic_registry::TopicRegistry;
 use crate::live::{Shared, bit, lock};
 use crate::log::{ChannelInfo, MessageSink};
 
-/// Instants under way at most. The thread looks every few milliseconds, which are some hundred instants of the smallest robot.
+/// Largest number of queued instants. The server polls every few milliseconds, some hundred
+/// instants of the smallest robot.
 const QUEUE: usize = 512;
-/// Instants there is memory for from the start, and how much.
+/// Number of instants allocated at the start, and bytes of each.
 const PREPARED: (usize, usize) = (16, 64 << 10);
 
-/// All messages of an instant, one after the other.
+/// All messages of an instant, concatenated.
 #[derive(Default)]
 pub(super) struct Batch {
-    /// Of the instant, ns.
+    /// Time of the instant, ns.
     pub time: u64,
     /// Topic, time and end of each message in `bytes`.
     pub parts: Vec<(u32, u64, usize)>,
@@ -35,70 +37,78 @@ impl Batch {
     }
 }
 
-/// The thread's end of a feed.
-pub(super) struct Taken {
+/// Server side of a feed.
+pub(super) struct FeedReceiver {
     pub full: Receiver<Batch>,
     pub empty: SyncSender<Batch>,
 }
 
-/// See the module.
+/// Message sink that queues messages for the server thread.
 pub(super) struct Feed {
     shared: Arc<Shared>,
     full: SyncSender<Batch>,
     empty: Receiver<Batch>,
-    /// Instants that there is memory for.
-    made: usize,
-    now: Option<Batch>,
-    /// The greatest so far: bytes and messages.
-    greatest: (usize, usize),
+    /// Number of allocated instants.
+    allocated: usize,
+    current: Option<Batch>,
+    /// Largest instant so far: bytes and messages.
+    largest: (usize, usize),
     described: bool,
 }
 
 impl Feed {
-    pub fn new(shared: Arc<Shared>) -> (Self, Taken) {
-        let (full, take) = sync_channel(QUEUE);
-        let (back, empty) = sync_channel(QUEUE);
+    pub fn new(shared: Arc<Shared>) -> (Self, FeedReceiver) {
+        let (full, full_receiver) = sync_channel(QUEUE);
+        let (empty_sender, empty) = sync_channel(QUEUE);
         for _ in 0..PREPARED.0 {
-            let _ = back.try_send(Batch::with_capacity(PREPARED.1, 16));
+            let _ = empty_sender.try_send(Batch::with_capacity(PREPARED.1, 16));
         }
-        lock(&shared.book).begin();
-        let feed =
-            Feed { shared, full, empty, made: PREPARED.0, now: None, greatest: (PREPARED.1, 16), described: false };
-        (feed, Taken { full: take, empty: back })
+        lock(&shared.registry).begin();
+        let feed = Feed {
+            shared,
+            full,
+            empty,
+            allocated: PREPARED.0,
+            current: None,
+            largest: (PREPARED.1, 16),
+            described: false,
+        };
+        (feed, FeedReceiver { full: full_receiver, empty: empty_sender })
     }
 
-    /// The instant that is collected. None: as many are under way as may be.
-    fn now(&mut self) -> Option<&mut Batch> {
-        if self.now.is_none() {
-            self.now = match self.empty.try_recv() {
+    /// Instant being collected; none while the queue is full.
+    fn current(&mut self) -> Option<&mut Batch> {
+        if self.current.is_none() {
+            self.current = match self.empty.try_recv() {
                 Ok(batch) => Some(batch),
-                Err(_) if self.made < QUEUE => {
-                    self.made += 1;
-                    Some(Batch::with_capacity(self.greatest.0, self.greatest.1))
+                Err(_) if self.allocated < QUEUE => {
+                    self.allocated += 1;
+                    Some(Batch::with_capacity(self.largest.0, self.largest.1))
                 }
                 Err(_) => None,
             };
         }
-        self.now.as_mut()
+        self.current.as_mut()
     }
 
-    fn write(&self, change: impl FnOnce(&mut Book) -> u32) -> u32 {
-        let changed = change(&mut lock(&self.shared.book));
+    /// Changes the registry, and announces the change once the description is complete.
+    fn change_registry(&self, change: impl FnOnce(&mut TopicRegistry) -> u32) -> u32 {
+        let channel = change(&mut lock(&self.shared.registry));
         if self.described {
             self.publish();
         }
-        changed
+        channel
     }
 
-    /// A description is read once it is whole.
+    /// Announces a change of the registry.
     fn publish(&self) {
-        self.shared.edition.fetch_add(1, Relaxed);
+        self.shared.version.fetch_add(1, Relaxed);
     }
 }
 
 impl MessageSink for Feed {
     fn open_channel(&mut self, channel: &ChannelInfo) -> u32 {
-        self.write(|book| book.open(channel))
+        self.change_registry(|registry| registry.open(channel))
     }
 
     fn end_description(&mut self) {
@@ -107,25 +117,25 @@ impl MessageSink for Feed {
     }
 
     fn has_subscribers(&self) -> bool {
-        self.shared.wanted.load(Relaxed) != 0
+        self.shared.subscribed_topics.load(Relaxed) != 0
     }
 
     fn is_subscribed(&self, channel: u32) -> bool {
-        self.shared.wanted.load(Relaxed) & bit(channel) != 0
+        self.shared.subscribed_topics.load(Relaxed) & bit(channel) != 0
     }
 
     fn message(&mut self, channel: u32, time: u64, bytes: &[u8]) {
         if !self.described {
-            self.write(|book| {
-                book.keep(channel, time, bytes);
+            self.change_registry(|registry| {
+                registry.retain(channel, time, bytes);
                 channel
             });
             return;
         }
-        match self.now() {
-            Some(now) => {
-                now.bytes.extend_from_slice(bytes);
-                now.parts.push((channel, time, now.bytes.len()));
+        match self.current() {
+            Some(batch) => {
+                batch.bytes.extend_from_slice(bytes);
+                batch.parts.push((channel, time, batch.bytes.len()));
             }
             None => {
                 self.shared.missed.fetch_add(1, Relaxed);
@@ -134,14 +144,14 @@ impl MessageSink for Feed {
     }
 
     fn end_tick(&mut self, time: u64) {
-        let Some(mut now) = self.now.take_if(|now| !now.parts.is_empty()) else { return };
-        now.time = time;
-        let (bytes, parts) = self.greatest;
-        self.greatest = (bytes.max(now.bytes.len()), parts.max(now.parts.len()));
-        if let Err(refused) = self.full.try_send(now) {
-            // There is room for all there are, so the thread has ended.
+        let Some(mut batch) = self.current.take_if(|batch| !batch.parts.is_empty()) else { return };
+        batch.time = time;
+        let (bytes, parts) = self.largest;
+        self.largest = (bytes.max(batch.bytes.len()), parts.max(batch.parts.len()));
+        if let Err(rejected) = self.full.try_send(batch) {
+            // The queue has room for every instant, so the server thread has ended.
             let (std::sync::mpsc::TrySendError::Full(batch) | std::sync::mpsc::TrySendError::Disconnected(batch)) =
-                refused;
+                rejected;
             self.shared.missed.fetch_add(batch.parts.len() as u64, Relaxed);
         }
     }

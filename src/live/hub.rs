@@ -1,5 +1,5 @@
-//! The thread: takes instants from the simulation and connections from the system, and brings them together. It looks around every
-//! few milliseconds instead of being woken, so that whoever simulates need not call the system.
+//! Server thread: distributes the queued instants to the connected clients. It polls every few
+//! milliseconds, so that the simulation thread makes no system call to wake it.
 
 use std::net::{Shutdown, TcpListener};
 use std::sync::Arc;
@@ -10,39 +10,39 @@ use std::time::{Duration, Instant};
 
 use tungstenite::Message;
 
-use crate::live::book::Book;
-use crate::live::client::{Client, Heard};
-use crate::live::feed::{Batch, Taken};
+use crate::live::client::{Client, ClientEvent};
+use crate::live::feed::{Batch, FeedReceiver};
 use crate::live::protocol::{self, Request, Subscription};
+use crate::live::topic_registry::TopicRegistry;
 use crate::live::{Shared, bit, lock};
 use crate::log::ChannelInfo;
 use crate::remote::nonce;
 
-/// Clients at once.
-const CLIENTS: usize = 16;
-/// How long it looks away: after something happened, when somebody listens, when nobody does.
-const LOOK: [Duration; 3] = [Duration::from_millis(1), Duration::from_millis(4), Duration::from_millis(20)];
-/// Rounds in which nothing happens before it looks less often.
-const SOON: u32 = 50;
-/// Clients that take nothing for so long are not waited for at the end of a run; nor is anybody for so long.
-const FAREWELL: (Duration, Duration) = (Duration::from_millis(500), Duration::from_secs(5));
-/// What it hears of a client in one round.
-const REQUESTS: usize = 64;
+/// Largest number of clients.
+const MAX_CLIENTS: usize = 16;
+/// Polling periods: after activity, with clients, without clients.
+const POLL: [Duration; 3] = [Duration::from_millis(1), Duration::from_millis(4), Duration::from_millis(20)];
+/// Idle rounds before the period grows.
+const IDLE_ROUNDS: u32 = 50;
+/// Time limits of a flush: without progress, and in total.
+const FLUSH_LIMITS: (Duration, Duration) = (Duration::from_millis(500), Duration::from_secs(5));
+/// Largest number of requests handled per client and round.
+const MAX_REQUESTS: usize = 64;
 
-/// See the module.
+/// State of the server thread.
 pub(super) struct Hub {
     listener: TcpListener,
     shared: Arc<Shared>,
     session: u64,
-    feeds: Vec<Taken>,
+    feeds: Vec<FeedReceiver>,
     clients: Vec<Client>,
-    /// What the clients know.
-    book: Book,
-    edition: u64,
-    /// Of the last instant, ns.
+    /// Registry as announced to the clients, and its version.
+    registry: TopicRegistry,
+    version: u64,
+    /// Time of the last instant, ns.
     time: Option<u64>,
-    /// What was sent to clients that have left, and what they did not get.
-    left: (u64, u64),
+    /// Messages sent to and dropped for clients that have disconnected.
+    departed: (u64, u64),
 }
 
 impl Hub {
@@ -53,150 +53,152 @@ impl Hub {
             session: nonce(),
             feeds: Vec::new(),
             clients: Vec::new(),
-            book: Book::default(),
-            edition: 0,
+            registry: TopicRegistry::default(),
+            version: 0,
             time: None,
-            left: (0, 0),
+            departed: (0, 0),
         }
     }
 
     pub fn run(mut self) {
         let mut idle = 0;
-        while !self.shared.ends.load(Relaxed) {
-            let asked = lock(&self.shared.settled).asked;
-            let moved = self.round();
-            if asked > lock(&self.shared.settled).answered {
-                self.farewell();
-                lock(&self.shared.settled).answered = asked;
-                self.shared.quiet.notify_all();
+        while !self.shared.stop.load(Relaxed) {
+            let requested = lock(&self.shared.flushes).requested;
+            let active = self.round();
+            if requested > lock(&self.shared.flushes).done {
+                self.flush();
+                lock(&self.shared.flushes).done = requested;
+                self.shared.flushed.notify_all();
             }
-            idle = if moved { 0 } else { idle + 1 };
-            let look = match self.clients.is_empty() {
-                true => LOOK[2],
-                false if idle > SOON => LOOK[1],
-                false => LOOK[0],
-            };
-            park_timeout(look);
+            idle = if active { 0 } else { idle + 1 };
+            park_timeout(match self.clients.is_empty() {
+                true => POLL[2],
+                false if idle > IDLE_ROUNDS => POLL[1],
+                false => POLL[0],
+            });
         }
-        self.shared.wanted.store(0, Relaxed);
+        self.shared.subscribed_topics.store(0, Relaxed);
         self.clients.iter_mut().for_each(Client::close);
     }
 
-    /// Does what there is to do, without waiting. Was there anything?
+    /// Accepts, receives, distributes and sends without waiting. Returns whether there was any
+    /// activity.
     fn round(&mut self) -> bool {
-        let came = self.accept();
-        self.read_book();
-        let asked = self.hear();
-        let told = self.pass_on();
-        let mut took = false;
+        let accepted = self.accept();
+        self.update_registry();
+        let received = self.receive();
+        let distributed = self.distribute();
+        let mut sent = false;
         for client in &mut self.clients {
-            took |= client.send();
+            sent |= client.send();
         }
         self.count();
-        came | asked | told | took
+        accepted | received | distributed | sent
     }
 
-    /// Sends what was handed over, to all who still take it.
-    fn farewell(&mut self) {
-        let (start, mut moved) = (Instant::now(), Instant::now());
-        while self.clients.iter().any(Client::is_behind) && start.elapsed() < FAREWELL.1 {
+    /// Sends all queued messages to clients that still read.
+    fn flush(&mut self) {
+        let (start, mut progress) = (Instant::now(), Instant::now());
+        while self.clients.iter().any(Client::has_queued) && start.elapsed() < FLUSH_LIMITS.1 {
             if self.round() {
-                moved = Instant::now();
-            } else if moved.elapsed() > FAREWELL.0 {
+                progress = Instant::now();
+            } else if progress.elapsed() > FLUSH_LIMITS.0 {
                 break;
             }
-            park_timeout(LOOK[0]);
+            park_timeout(POLL[0]);
         }
-        self.clients.iter_mut().for_each(Client::forget);
+        self.clients.iter_mut().for_each(Client::drop_backlog);
         self.count();
     }
 
     fn accept(&mut self) -> bool {
-        let mut came = false;
+        let mut accepted = false;
         while let Ok((stream, _)) = self.listener.accept() {
-            came = true;
-            if self.clients.len() >= CLIENTS {
+            accepted = true;
+            if self.clients.len() >= MAX_CLIENTS {
                 let _ = stream.shutdown(Shutdown::Both);
             } else {
                 self.clients.extend(Client::new(stream));
             }
         }
-        came
+        accepted
     }
 
-    fn hear(&mut self) -> bool {
-        let mut heard = false;
+    /// Handles the requests of all clients. Returns whether there were any.
+    fn receive(&mut self) -> bool {
+        let mut received = false;
         for at in 0..self.clients.len() {
-            for _ in 0..REQUESTS {
-                let Some(said) = self.clients[at].hear() else { break };
-                heard = true;
-                match said {
-                    Heard::Nothing | Heard::Asked(Request::Other) => {}
-                    Heard::Opened => self.welcome(at),
-                    Heard::Asked(Request::Subscribe { subscriptions }) => self.subscribe(at, &subscriptions),
-                    Heard::Asked(Request::Unsubscribe { subscription_ids }) => {
+            for _ in 0..MAX_REQUESTS {
+                let Some(event) = self.clients[at].receive() else { break };
+                received = true;
+                match event {
+                    ClientEvent::Ignored | ClientEvent::Request(Request::Other) => {}
+                    ClientEvent::Opened => self.welcome(at),
+                    ClientEvent::Request(Request::Subscribe { subscriptions }) => self.subscribe(at, &subscriptions),
+                    ClientEvent::Request(Request::Unsubscribe { subscription_ids }) => {
                         self.clients[at].subscriptions.retain(|s| !subscription_ids.contains(&s.id));
                     }
                 }
             }
         }
-        self.left = total(self.left, self.clients.iter().filter(|client| client.is_gone()));
-        self.clients.retain(|client| !client.is_gone());
-        if heard {
-            self.want();
+        self.departed = add_counts(self.departed, self.clients.iter().filter(|client| client.is_closed()));
+        self.clients.retain(|client| !client.is_closed());
+        if received {
+            self.update_subscribed_topics();
         }
-        heard
+        received
     }
 
+    /// Sends a new client the server's description, the topics and the time.
     fn welcome(&mut self, at: usize) {
         self.shared.clients.fetch_add(1, Relaxed);
         let client = &mut self.clients[at];
-        client.owe(Message::text(protocol::server_info(self.session)));
-        client.owe(Message::text(protocol::advertise(open(&self.book))));
+        client.queue_reliable(Message::text(protocol::server_info(self.session)));
+        client.queue_reliable(Message::text(protocol::advertise(open_topics(&self.registry))));
         if let Some(time) = self.time {
-            client.owe(Message::binary(protocol::time(time)));
+            client.queue_reliable(Message::binary(protocol::time(time)));
         }
     }
 
     fn subscribe(&mut self, at: usize, subscriptions: &[Subscription]) {
         let client = &mut self.clients[at];
         let mut count = 0;
-        for wanted in subscriptions {
-            let entry = self.book.channels.get(wanted.channel_id as usize).filter(|entry| entry.is_open);
-            let Some(entry) = entry.filter(|_| client.subscribe(*wanted)) else {
-                let words = format!("no topic {} to subscribe to, or too many subscriptions", wanted.channel_id);
-                client.owe(Message::text(protocol::status(protocol::WARNING, &words)));
+        for subscription in subscriptions {
+            let entry = self.registry.channels.get(subscription.channel_id as usize).filter(|entry| entry.is_open);
+            let Some(entry) = entry.filter(|_| client.subscribe(*subscription)) else {
+                let text = format!("no topic {} to subscribe to, or too many subscriptions", subscription.channel_id);
+                client.queue_reliable(Message::text(protocol::status(protocol::WARNING, &text)));
                 continue;
             };
-            client.owe_kept(wanted.id, entry);
+            client.queue_retained(subscription.id, entry);
             count += 1;
         }
         if count > 0 {
-            // What comes from now on is for it: whoever waits for a client may begin.
-            self.want();
+            // The client now receives every message, so a run that waits for a client may start.
+            self.update_subscribed_topics();
             *lock(&self.shared.subscriptions) += count;
             self.shared.subscribed.notify_all();
         }
     }
 
-    /// Says which topics are listened to.
-    fn want(&self) {
+    /// Publishes which topics have subscribers.
+    fn update_subscribed_topics(&self) {
         let all = self.clients.iter().flat_map(|client| &client.subscriptions);
-        self.shared.wanted.store(all.fold(0, |all, s| all | bit(s.channel_id)), Relaxed);
+        self.shared.subscribed_topics.store(all.fold(0, |all, s| all | bit(s.channel_id)), Relaxed);
     }
 
-    /// Takes what the simulation handed over and gives it to the clients.
-    fn pass_on(&mut self) -> bool {
-        let mut told = false;
+    /// Distributes all queued instants. Returns whether there were any.
+    fn distribute(&mut self) -> bool {
+        let mut distributed = false;
         self.feeds.append(&mut lock(&self.shared.feeds));
         let mut feeds = std::mem::take(&mut self.feeds);
         feeds.retain(|feed| {
             loop {
                 match feed.full.try_recv() {
                     Ok(mut batch) => {
-                        told = true;
-                        self.read_book();
-                        self.give(&batch);
+                        distributed = true;
+                        self.update_registry();
+                        self.distribute_batch(&batch);
                         batch.bytes.clear();
                         batch.parts.clear();
                         let _ = feed.empty.try_send(batch);
@@ -207,61 +209,63 @@ impl Hub {
             }
         });
         self.feeds = feeds;
-        told
+        distributed
     }
 
-    /// Tells the clients what is new in the book.
-    fn read_book(&mut self) {
-        if self.shared.edition.load(Relaxed) == self.edition {
+    /// Announces changes of the registry to the clients.
+    fn update_registry(&mut self) {
+        if self.shared.version.load(Relaxed) == self.version {
             return;
         }
         let new = {
-            let book = lock(&self.shared.book);
-            self.edition = self.shared.edition.load(Relaxed);
-            book.clone()
+            let registry = lock(&self.shared.registry);
+            self.version = self.shared.version.load(Relaxed);
+            registry.clone()
         };
-        let old = std::mem::replace(&mut self.book, new);
+        let old = std::mem::replace(&mut self.registry, new);
         let was_open = |at: usize| old.channels.get(at).is_some_and(|entry| entry.is_open);
-        let closed = (0..old.channels.len()).filter(|&at| was_open(at) && !self.book.channels[at].is_open);
+        let closed = (0..old.channels.len()).filter(|&at| was_open(at) && !self.registry.channels[at].is_open);
         let closed: Vec<u32> = closed.map(|at| at as u32).collect();
-        let opened: Vec<_> = open(&self.book).filter(|(id, _)| !was_open(*id as usize)).collect();
+        let opened: Vec<_> = open_topics(&self.registry).filter(|(id, _)| !was_open(*id as usize)).collect();
         for client in self.clients.iter_mut().filter(|client| client.is_open()) {
             if !closed.is_empty() {
                 client.subscriptions.retain(|s| !closed.contains(&s.channel_id));
-                client.owe(Message::text(protocol::unadvertise(&closed)));
+                client.queue_reliable(Message::text(protocol::unadvertise(&closed)));
             }
             if !opened.is_empty() {
-                client.owe(Message::text(protocol::advertise(opened.iter().copied())));
+                client.queue_reliable(Message::text(protocol::advertise(opened.iter().copied())));
             }
             for Subscription { id, channel_id } in client.subscriptions.clone() {
                 let at = channel_id as usize;
-                if old.channels[at].kept != self.book.channels[at].kept {
-                    client.owe_kept(id, &self.book.channels[at]);
+                if old.channels[at].retained != self.registry.channels[at].retained {
+                    client.queue_retained(id, &self.registry.channels[at]);
                 }
             }
         }
-        self.want();
+        self.update_subscribed_topics();
     }
 
-    fn give(&mut self, batch: &Batch) {
-        let is_back = self.time.is_some_and(|time| batch.time < time);
+    /// Queues the messages of an instant for their subscribers.
+    fn distribute_batch(&mut self, batch: &Batch) {
+        let goes_back = self.time.is_some_and(|time| batch.time < time);
         let is_new = self.time.replace(batch.time) != Some(batch.time);
         for client in self.clients.iter_mut().filter(|client| client.is_open()) {
-            if is_back {
-                // Viewers forget all there was when time goes back.
-                client.owe_backlog();
-                client.owe(Message::binary(protocol::time(batch.time)));
+            if goes_back {
+                // Viewers discard everything when time goes back, so they need the retained
+                // messages again.
+                client.promote_backlog();
+                client.queue_reliable(Message::binary(protocol::time(batch.time)));
                 for Subscription { id, channel_id } in client.subscriptions.clone() {
-                    client.owe_kept(id, &self.book.channels[channel_id as usize]);
+                    client.queue_retained(id, &self.registry.channels[channel_id as usize]);
                 }
             } else if is_new && !client.subscriptions.is_empty() {
-                client.offer(Message::binary(protocol::time(batch.time)));
+                client.queue(Message::binary(protocol::time(batch.time)));
             }
             for (channel, time, bytes) in batch.messages() {
                 for at in 0..client.subscriptions.len() {
                     let Subscription { id, channel_id } = client.subscriptions[at];
                     if channel_id == channel {
-                        client.offer(Message::binary(protocol::message_data(id, time, bytes)));
+                        client.queue(Message::binary(protocol::message_data(id, time, bytes)));
                     }
                 }
             }
@@ -269,19 +273,19 @@ impl Hub {
     }
 
     fn count(&self) {
-        let (sent, dropped) = total(self.left, self.clients.iter());
+        let (sent, dropped) = add_counts(self.departed, self.clients.iter());
         self.shared.sent.store(sent, Relaxed);
         self.shared.dropped.store(dropped, Relaxed);
     }
 }
 
-/// Topics of the present run.
-fn open(book: &Book) -> impl Iterator<Item = (u32, &ChannelInfo)> {
-    let entries = book.channels.iter().enumerate().filter(|(_, entry)| entry.is_open);
+/// Open topics, those of the present run, with their numbers.
+fn open_topics(registry: &TopicRegistry) -> impl Iterator<Item = (u32, &ChannelInfo)> {
+    let entries = registry.channels.iter().enumerate().filter(|(_, entry)| entry.is_open);
     entries.map(|(at, entry)| (at as u32, &*entry.info))
 }
 
-/// Messages sent and dropped, these and those of some clients.
-fn total<'a>(left: (u64, u64), clients: impl Iterator<Item = &'a Client>) -> (u64, u64) {
-    clients.fold(left, |(sent, dropped), client| (sent + client.sent, dropped + client.dropped))
+/// Messages sent and dropped: `start` plus those of some clients.
+fn add_counts<'a>(start: (u64, u64), clients: impl Iterator<Item = &'a Client>) -> (u64, u64) {
+    clients.fold(start, |(sent, dropped), client| (sent + client.sent, dropped + client.dropped))
 }

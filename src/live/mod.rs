@@ -1,20 +1,28 @@
-//! What a log would hold, while it is made: topics over a WebSocket on this machine's loopback, in Foxglove's protocol.
+//! Streams the topics of a log over a WebSocket on loopback while the run is simulated, in
+//! Foxglove's protocol.
 //!
 //! ```text
-//! simulation -> Feed -> bounded queue -> thread (hub) -> a bounded backlog per client -> sockets that never block
+//! simulation -> Feed -> bounded queue -> thread (hub) -> bounded backlog per client -> socket
 //!                 ^--- empty instants <---'
 //! ```
 //!
-//! The thread that simulates hands over what it has encoded, an instant of the log at a time, and takes back the memory of old
-//! ones; it makes no system call, waits for nobody, and does not even encode what nobody listens to. When the queue is full an
-//! instant is left out, when a client reads too slowly its oldest messages are; both are counted.
+//! The simulation thread hands over encoded messages, one log instant at a time, and reuses the
+//! memory of sent ones. It makes no system call, never waits, and encodes only topics that a client
+//! has subscribed to. A full queue drops an instant; a slow client loses its oldest messages. Both
+//! losses are counted.
+//!
+//! The server of the `foxglove` crate is not used: it does not count dropped messages, keeps no
+//! description of a run for clients that connect later, closes without sending what is queued,
+//! checks neither Host nor Origin, and adds an asynchronous runtime and 24 crates.
+//!
+//! Imports: `log`, `remote`. Used by: `cli`.
 
-mod book;
 mod client;
 mod feed;
 mod handshake;
 mod hub;
 mod protocol;
+mod topic_registry;
 
 use std::fmt;
 use std::net::{SocketAddr, TcpListener};
@@ -25,86 +33,85 @@ use std::time::{Duration, Instant};
 
 use crate::log::MessageSink;
 use crate::remote::LinkError;
-use book::Book;
-use feed::{Feed, Taken};
+use feed::{Feed, FeedReceiver};
 use hub::Hub;
+use topic_registry::TopicRegistry;
 
-/// How long whoever waits for a client looks away from being cancelled.
+/// Longest wait between checks for cancellation.
 const SLICE: Duration = Duration::from_millis(50);
 
-/// A server on loopback, with a thread of its own. Dropped, it takes leave of its clients.
-pub struct Live {
+/// A server on loopback with its own thread. Dropping it closes the connections.
+pub struct LiveServer {
     shared: Arc<Shared>,
     at: SocketAddr,
     thread: Option<JoinHandle<()>>,
 }
 
-/// What was sent so far.
+/// Numbers of messages and clients so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Told {
-    /// Clients that came.
+pub struct TransferCounts {
+    /// Clients that connected.
     pub clients: u64,
-    /// Messages that went to them, each counted once for each client.
+    /// Messages sent, counted once per client.
     pub sent: u64,
-    /// Messages that a client did not get because it read too slowly.
+    /// Messages dropped because a client read too slowly.
     pub dropped: u64,
-    /// Messages that no client got because the server itself was too slow.
+    /// Messages dropped for all clients because the server was too slow.
     pub missed: u64,
 }
 
-impl fmt::Display for Told {
+impl fmt::Display for TransferCounts {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Told { clients, sent, dropped, missed } = self;
-        let word = if *clients == 1 { "client" } else { "clients" };
+        let TransferCounts { clients, sent, dropped, missed } = self;
+        let plural = if *clients == 1 { "client" } else { "clients" };
         write!(
             f,
-            "{clients} {word}, {sent} messages sent, {dropped} dropped for slow readers, {missed} not taken in time"
+            "{clients} {plural}, {sent} messages sent, {dropped} dropped for slow readers, {missed} not taken in time"
         )
     }
 }
 
-/// What both threads see.
+/// State shared by the simulation thread and the server thread.
 #[derive(Default)]
 struct Shared {
-    book: Mutex<Book>,
-    /// Goes up whenever the book changes.
-    edition: AtomicU64,
-    /// Queues that the server does not know of yet.
-    feeds: Mutex<Vec<Taken>>,
-    /// A bit for each topic that somebody listens to, see [`bit`].
-    wanted: AtomicU64,
+    registry: Mutex<TopicRegistry>,
+    /// Incremented whenever the registry changes.
+    version: AtomicU64,
+    /// Queues that the server has not taken over yet.
+    feeds: Mutex<Vec<FeedReceiver>>,
+    /// One bit per topic with a subscriber, see [`bit`].
+    subscribed_topics: AtomicU64,
     clients: AtomicU64,
     subscriptions: Mutex<u64>,
     subscribed: Condvar,
     sent: AtomicU64,
     dropped: AtomicU64,
     missed: AtomicU64,
-    /// Shall the thread end?
-    ends: AtomicBool,
-    /// Is there nothing left that could be sent? Answered in this many rounds of the thread.
-    settled: Mutex<Settled>,
-    quiet: Condvar,
+    /// True once the thread must end.
+    stop: AtomicBool,
+    flushes: Mutex<Flushes>,
+    flushed: Condvar,
 }
 
-/// Asks the thread to send what there is.
+/// Flushes that were requested and completed.
 #[derive(Default)]
-struct Settled {
-    asked: u64,
-    answered: u64,
+struct Flushes {
+    requested: u64,
+    done: u64,
 }
 
-/// The bit of a topic; those that there are too many of share the last.
+/// Bit of a topic. Topics beyond the number of bits share the last one.
 fn bit(channel: u32) -> u64 {
     1 << channel.min(63)
 }
 
-/// What another thread left when it panicked is still counts and lists.
+/// Locks a mutex. Counts and lists stay valid when another thread panics.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Live {
-    /// Listens; port 0 takes a free one.
+impl LiveServer {
+    /// Starts to listen. Port 0 selects a free port.
     ///
     /// # Errors
     /// The address is not on loopback, or cannot be listened on.
@@ -120,60 +127,66 @@ impl Live {
         let shared = Arc::new(Shared::default());
         let hub = Hub::new(listener, shared.clone());
         let thread = std::thread::Builder::new().name("live".into()).spawn(move || hub.run()).map_err(failed)?;
-        Ok(Live { shared, at, thread: Some(thread) })
+        Ok(LiveServer { shared, at, thread: Some(thread) })
     }
 
-    /// Where it listens.
+    /// Address on which it listens.
     pub fn address(&self) -> SocketAddr {
         self.at
     }
 
-    /// For the log of a run: what that log gets, the clients get. A new one closes topics that it does not have itself; time may
-    /// begin anew, or go back.
-    pub fn outlet(&self) -> Box<dyn MessageSink> {
-        let (feed, taken) = Feed::new(self.shared.clone());
-        lock(&self.shared.feeds).push(taken);
+    /// Creates a sink for the log of a run, whose messages go to the clients. A new sink closes the
+    /// topics that its run does not have; its time may start again or go back.
+    pub fn sink(&self) -> Box<dyn MessageSink> {
+        let (feed, receiver) = Feed::new(self.shared.clone());
+        lock(&self.shared.feeds).push(receiver);
         Box::new(feed)
     }
 
-    /// How often somebody began to listen to a topic. When it goes up while nothing moves, what there is to see may be told again.
+    /// Number of subscriptions so far. When it increases while the run is held, the present state
+    /// should be sent again.
     pub fn subscriptions(&self) -> u64 {
         *lock(&self.shared.subscriptions)
     }
 
-    /// Waits until somebody listens to something, at most `patience`, or until `cancel`. Did somebody?
-    pub fn wait(&self, patience: Duration, cancel: &AtomicBool) -> bool {
-        let end = Instant::now() + patience;
+    /// Waits until a client has subscribed, at most `limit`, or until `cancel`. Returns whether one
+    /// has.
+    pub fn wait(&self, limit: Duration, cancel: &AtomicBool) -> bool {
+        let end = Instant::now() + limit;
         let mut count = lock(&self.shared.subscriptions);
         while *count == 0 {
-            let left = end.saturating_duration_since(Instant::now());
-            if left.is_zero() || cancel.load(Relaxed) {
+            let remaining = end.saturating_duration_since(Instant::now());
+            if remaining.is_zero() || cancel.load(Relaxed) {
                 return false;
             }
-            count =
-                self.shared.subscribed.wait_timeout(count, left.min(SLICE)).unwrap_or_else(PoisonError::into_inner).0;
+            count = self
+                .shared
+                .subscribed
+                .wait_timeout(count, remaining.min(SLICE))
+                .unwrap_or_else(PoisonError::into_inner)
+                .0;
         }
         true
     }
 
-    /// Waits until what was handed over is sent; clients that do not read for half a second are not waited for.
-    pub fn settle(&self) -> Told {
-        let mut settled = lock(&self.shared.settled);
-        settled.asked += 1;
-        let wanted = settled.asked;
+    /// Waits until all messages are sent. Clients that do not read for half a second lose theirs.
+    pub fn flush(&self) -> TransferCounts {
+        let mut flushes = lock(&self.shared.flushes);
+        flushes.requested += 1;
+        let target = flushes.requested;
         self.wake();
-        while settled.answered < wanted && self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
-            settled = self.shared.quiet.wait_timeout(settled, SLICE).unwrap_or_else(PoisonError::into_inner).0;
+        while flushes.done < target && self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
+            flushes = self.shared.flushed.wait_timeout(flushes, SLICE).unwrap_or_else(PoisonError::into_inner).0;
         }
-        drop(settled);
-        self.told()
+        drop(flushes);
+        self.counts()
     }
 
-    /// What was sent so far.
-    pub fn told(&self) -> Told {
+    /// Numbers of messages and clients so far.
+    pub fn counts(&self) -> TransferCounts {
         let s = &self.shared;
         let [clients, sent, dropped, missed] = [&s.clients, &s.sent, &s.dropped, &s.missed].map(|n| n.load(Relaxed));
-        Told { clients, sent, dropped, missed }
+        TransferCounts { clients, sent, dropped, missed }
     }
 
     fn wake(&self) {
@@ -181,12 +194,12 @@ impl Live {
     }
 }
 
-impl Drop for Live {
+impl Drop for LiveServer {
     fn drop(&mut self) {
-        self.shared.ends.store(true, Relaxed);
+        self.shared.stop.store(true, Relaxed);
         self.wake();
         if let Some(thread) = self.thread.take() {
-            // It only reads: whatever became of it, the run is whole.
+            // The run does not depend on the server, even if its thread panicked.
             let _ = thread.join();
         }
     }

@@ -1,8 +1,9 @@
-//! Foxglove's WebSocket protocol, the part of it that streams topics: <https://github.com/foxglove/ws-protocol>, docs/spec.md.
+//! Messages of Foxglove's WebSocket protocol for streaming topics:
+//! <https://github.com/foxglove/ws-protocol>, docs/spec.md.
 //!
-//! The server tells in JSON who it is and which topics there are; a client subscribes to some of them under numbers of its own;
-//! messages come as binary frames that begin with such a number. The server also publishes the time, which is that of the
-//! simulation: viewers then have no other.
+//! The server describes itself and its topics in JSON. A client subscribes to topics and numbers
+//! its subscriptions; messages are binary frames that begin with this number. The server also
+//! publishes the simulated time, which viewers use as their clock.
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -14,10 +15,10 @@ use crate::log::ChannelInfo;
 /// First bytes of binary frames.
 const MESSAGE_DATA: u8 = 1;
 const TIME: u8 = 2;
-/// The level of a status.
+/// Status level of a warning.
 pub(super) const WARNING: u8 = 1;
 
-/// What a client says.
+/// Request of a client.
 #[derive(Deserialize, Debug, PartialEq, Eq)]
 #[serde(tag = "op", rename_all = "camelCase")]
 pub(super) enum Request {
@@ -28,12 +29,12 @@ pub(super) enum Request {
     Unsubscribe {
         subscription_ids: Vec<u32>,
     },
-    /// For capabilities that this server does not say it has.
+    /// A request for capabilities that this server does not advertise.
     #[serde(other)]
     Other,
 }
 
-/// The client's number for a topic.
+/// A client's number for a topic.
 #[derive(Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Subscription {
@@ -95,7 +96,7 @@ pub(super) fn message_data(subscription: u32, time: u64, payload: &[u8]) -> Vec<
     out
 }
 
-/// Is a binary frame a message of a topic?
+/// True if a binary frame is a message of a topic.
 pub(super) fn is_message(frame: &[u8]) -> bool {
     frame.first() == Some(&MESSAGE_DATA)
 }
@@ -108,15 +109,15 @@ pub(super) fn time(now: u64) -> Vec<u8> {
 mod tests {
     use super::*;
 
-    /// Requests as they stand in the specification.
+    /// Requests of the specification.
     #[test]
-    fn requests_are_read() {
+    fn requests_are_parsed() {
         let read = |text| serde_json::from_str::<Request>(text).ok();
         let subscriptions = vec![Subscription { id: 0, channel_id: 3 }, Subscription { id: 1, channel_id: 5 }];
-        let words = r#"{"op":"subscribe","subscriptions":[{"id":0,"channelId":3},{"id":1,"channelId":5}]}"#;
-        assert_eq!(read(words), Some(Request::Subscribe { subscriptions }));
-        let words = r#"{"op":"unsubscribe","subscriptionIds":[0,1]}"#;
-        assert_eq!(read(words), Some(Request::Unsubscribe { subscription_ids: vec![0, 1] }));
+        let text = r#"{"op":"subscribe","subscriptions":[{"id":0,"channelId":3},{"id":1,"channelId":5}]}"#;
+        assert_eq!(read(text), Some(Request::Subscribe { subscriptions }));
+        let text = r#"{"op":"unsubscribe","subscriptionIds":[0,1]}"#;
+        assert_eq!(read(text), Some(Request::Unsubscribe { subscription_ids: vec![0, 1] }));
         assert_eq!(read(r#"{"op":"getParameters","parameterNames":[]}"#), Some(Request::Other));
         assert_eq!(read(r#"{"op":"subscribe","subscriptions":[{"id":-1,"channelId":3}]}"#), None);
         assert_eq!(read("subscribe"), None);

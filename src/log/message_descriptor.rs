@@ -1,4 +1,5 @@
-//! Describes the messages of a log to foreign readers: a serialised `FileDescriptorSet`, MCAP's schema encoding `protobuf`.
+//! Describes the messages of a log to foreign readers: a serialised `FileDescriptorSet`, MCAP's
+//! schema encoding `protobuf`.
 
 use prost::Message as _;
 use prost_types::field_descriptor_proto::{Label, Type};

@@ -1,6 +1,8 @@
-//! The protobuf messages of a log, package `stiction`. World axes, SI units; repeated numbers are packed.
+//! The protobuf messages of a log, package `stiction`. World axes, SI units; repeated numbers are
+//! packed.
 //!
-//! `message_descriptor.rs` describes the same fields to other readers; a test compares the two on the wire.
+//! `message_descriptor.rs` describes the same fields to other readers; a test compares the two on
+//! the wire.
 
 /// A vector.
 #[derive(Clone, Copy, PartialEq, prost::Message)]
@@ -55,8 +57,8 @@ pub struct Point {
     pub position: Option<Vector3>,
 }
 
-/// Motion of the whole robot at one tick, topic `/state`. Joint arrays are in the order of the channel's metadata entry
-/// `joints`; the entry `joint_kinds` identifies prismatic ones.
+/// Motion of the whole robot at one tick, topic `/state`. Joint arrays are in the order of the
+/// channel's metadata entry `joints`; the entry `joint_kinds` identifies prismatic ones.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct State {
     /// Simulated time, s.
@@ -104,8 +106,8 @@ pub struct State {
     /// External forces acting at this tick.
     #[prost(message, repeated, tag = "15")]
     pub external: Vec<Force>,
-    /// Point of optimal stability: middle of the centres of the largest discs in the support polygon, on the floor
-    /// plane, m; absent in flight.
+    /// Point of optimal stability: middle of the centres of the largest discs in the support
+    /// polygon, on the floor plane, m; absent in flight.
     #[prost(message, optional, tag = "16")]
     pub stable_point: Option<Vector3>,
     /// Efforts commanded by the drives, before limits and lag, N m or N.
@@ -214,8 +216,9 @@ pub struct Wrench {
     pub moment: Option<Vector3>,
 }
 
-/// Sensor readings and state estimate at the last control tick, topic `/estimate`; written if they can differ from the true
-/// state. Joint arrays are in the order of the channel's metadata entry `joints`, those of soles of its entry `soles`.
+/// Sensor readings and state estimate at the last control tick, topic `/estimate`; written if they
+/// can differ from the true state. Joint arrays are in the order of the channel's metadata entry
+/// `joints`, those of soles of its entry `soles`.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct Estimate {
     /// Simulated time of the message, s.
@@ -262,14 +265,16 @@ pub struct Estimate {
     pub static_soles: Vec<bool>,
 }
 
-/// Distance between bodies of the robot and state of avoidance, topic `/self_collision`; written if the scenario has
-/// `[self_collision]`. Joint arrays are in the order of the channel's metadata entry `joints`, and empty without avoidance.
+/// Distance between bodies of the robot and state of avoidance, topic `/self_collision`; written if
+/// the scenario has `[self_collision]`. Joint arrays are in the order of the channel's metadata
+/// entry `joints`, and empty without avoidance.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct SelfCollision {
     /// Simulated time, s.
     #[prost(double, tag = "1")]
     pub time: f64,
-    /// Distance of the nearest pair of bodies, m; below 0 the depth of its overlap; infinite without pairs.
+    /// Distance of the nearest pair of bodies, m; below 0 the depth of its overlap; infinite
+    /// without pairs.
     #[prost(double, tag = "2")]
     pub distance: f64,
     /// Its first body.

@@ -1,12 +1,14 @@
-//! The log of a run, `log.mcap`: the topics written at every tick, and the reader that turns a log into time series.
+//! The log of a run, `log.mcap`: the topics written at every tick, and the reader that turns a log
+//! into time series.
 //!
-//! - [`messages`], [`ros`], `message_descriptor`: the message types and their description to foreign readers.
+//! - [`messages`], [`ros`], `message_descriptor`: the message types and their description to
+//!   foreign readers.
 //! - `write`: [`LogWriter`], an [`Observer`](crate::sim::Observer) of one run, and its topics.
 //! - `read`: [`Trajectory`] and [`Scene`], a log as series and as shapes.
 //! - [`ProblemWriter`]: the contact problems of a run, `problems/*.json`.
 //!
-//! Imports `files`, `robot`, `contact` (problems) and the snapshot types of `sim`. Called by `batch`, `console` and `live`
-//! (writing), `export`, `report`, `replay`, `view` and `assemble` (reading).
+//! Imports: `files`, `robot`, `contact`, `sim`. Used by: `assemble`, `report`, `export`, `live`,
+//! `batch`, `replay`, `view`, `console`, `cli`.
 
 mod message_descriptor;
 pub mod messages;
@@ -19,6 +21,6 @@ mod write;
 pub use problem_files::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWriter};
 pub use read::{Attachment, JointSeries, LogDamage, LogError, LoggedEvent, Motion, PointSeries, RunInfo};
 pub use read::{EstimateSeries, Frame, JointReadings, Scene, SelfCollisionSeries, SoleReadings};
-pub use read::{SoleSeries, Trajectory, VertexSeries};
+pub use read::{SoleSeries, Trajectory, VertexSeries, read_bytes};
 pub use topic_groups::{ParseTopicError, TopicGroups};
 pub use write::{AttachedText, ChannelInfo, LogHeader, LogWriter, MessageSink};

@@ -1,8 +1,9 @@
-//! Writes and reads `problems/0001.json`, ...: contact problems of a run, to inspect and solve elsewhere.
+//! Writes and reads `problems/0001.json`, ...: contact problems of a run, for inspection and for
+//! other solvers.
 
 use crate::contact::selection_record::SelectionRecord;
 use crate::files::input::{self, MOST_DATA};
-use crate::files::{RecordError, atomic};
+use crate::files::{RecordError, atomic, if_present, json};
 use crate::sim::Problems;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
@@ -28,7 +29,7 @@ pub struct ProblemRecord {
     pub key: String,
     /// Number of the problem in the run, from 1.
     pub number: usize,
-    /// The problem and the answer given.
+    /// The problem and its solution.
     pub selection: SelectionRecord,
 }
 
@@ -36,21 +37,10 @@ impl ProblemRecord {
     /// Reads a problem file.
     ///
     /// # Errors
-    /// No such file, no JSON, a field missing or unknown, a `null` (a number that was not finite), or another format
-    /// version.
+    /// No such file, invalid JSON, a field missing or unknown, a `null` (a number that was not
+    /// finite), or another format version.
     pub fn read(path: &Path) -> Result<Self, RecordError> {
-        /// The version is read first, because another version may have other fields.
-        #[derive(Deserialize)]
-        struct Version {
-            schema: u64,
-        }
-        let json = |source| RecordError::Json { path: path.to_owned(), source };
-        let bytes = input::read(path, MOST_DATA).map_err(RecordError::io(path))?;
-        let Version { schema } = serde_json::from_slice(&bytes).map_err(json)?;
-        if schema != u64::from(PROBLEM_SCHEMA) {
-            return Err(RecordError::Version { path: path.to_owned(), found: schema, expected: PROBLEM_SCHEMA });
-        }
-        serde_json::from_slice(&bytes).map_err(json)
+        json::parse(&input::read(path, MOST_DATA).map_err(RecordError::io(path))?, path, PROBLEM_SCHEMA)
     }
 }
 
@@ -65,15 +55,13 @@ pub struct ProblemWriter {
 }
 
 impl ProblemWriter {
-    /// Prepares to write to `folder`, which is created with the first problem. Removes the problems of an earlier run.
+    /// Prepares to write to `folder`, which is created with the first problem. Removes the problems
+    /// of an earlier run.
     ///
     /// # Errors
     /// Earlier problems cannot be removed.
     pub fn create(folder: PathBuf, scenario: &str, key: &str, which: Problems) -> Result<Self, RecordError> {
-        match std::fs::remove_dir_all(&folder) {
-            Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(RecordError::io(&folder)(e)),
-            _ => {}
-        }
+        if_present(std::fs::remove_dir_all(&folder)).map_err(RecordError::io(&folder))?;
         Ok(Self { folder, scenario: scenario.to_owned(), key: key.to_owned(), which, count: 0 })
     }
 

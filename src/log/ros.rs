@@ -1,4 +1,5 @@
-//! The two ROS 2 messages that ROS viewers draw without configuration, in CDR (the encoding of the ROS 2 bus).
+//! The two ROS 2 messages that ROS viewers draw without configuration, in CDR (the encoding of the
+//! ROS 2 bus).
 
 use serde::{Deserialize, Serialize};
 

@@ -3,12 +3,12 @@
 use super::number::Measure;
 use super::table::{Metrics, ROWS};
 
-/// Who knows a metric.
+/// Runs for which a metric is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Known {
-    /// A simulation, and the control side of a remote robot: it follows from sensing and commands.
+    /// Simulations and the control side of a remote robot: it follows from sensing and commands.
     Robot,
-    /// A simulation alone; not measured when the robot runs in another process.
+    /// Simulations only; not measured when the robot runs in another process.
     Simulation,
 }
 
@@ -27,7 +27,7 @@ pub(crate) enum Cost {
 }
 
 impl Cost {
-    /// Every run has it, so `[[expect]]` may name it.
+    /// Whether every run has it, so that `[[expect]]` may name it.
     const fn is_always_measured(self) -> bool {
         matches!(self, Cost::Wall | Cost::Cpu | Cost::RealTimeFactor)
     }
@@ -44,10 +44,11 @@ pub(crate) enum Distance {
     FinalRotation,
 }
 
-/// Where the value of a column comes from.
+/// Source of the values of a column.
 #[derive(Clone, Copy)]
 pub(crate) enum ColumnSource {
-    /// The metrics of the run; the second argument is the column's index within its row of the table.
+    /// The metrics of the run; the second argument is the column's index within its row of the
+    /// table.
     Metrics(fn(&Metrics, usize) -> Measure),
     Cost(Cost),
     Distance(Distance),
@@ -68,7 +69,7 @@ pub(super) struct MetricRow {
 pub(crate) struct Column {
     pub name: &'static str,
     pub known: Known,
-    /// It holds whole numbers.
+    /// Whether it contains whole numbers.
     pub is_count: bool,
     pub source: ColumnSource,
     /// Index within its row of the table.
@@ -123,12 +124,13 @@ impl Column {
         }
     }
 
-    /// A cost in time.
+    /// Whether it is a cost in time.
     pub fn is_cost(&self) -> bool {
         matches!(self.source, ColumnSource::Cost(_))
     }
 
-    /// A measured quantity of the run's physics or computation, whose truth may be known.
+    /// Whether it is a measured quantity of the run's physics or computation, whose truth may be
+    /// known.
     pub fn is_metric(&self) -> bool {
         matches!(self.source, ColumnSource::Metrics(_))
     }
@@ -140,18 +142,18 @@ pub(crate) fn column(name: &str) -> Option<&'static Column> {
     ALL.iter().find(|column| column.name == name)
 }
 
-/// The column is a distance from the reference run, which a run without a reference lacks.
+/// Whether the column is a distance from the reference run, which a run without a reference lacks.
 pub(crate) fn is_distance(name: &str) -> bool {
     column(name).is_some_and(|column| matches!(column.source, ColumnSource::Distance(_)))
 }
 
-/// The unit of a column, or of the error in one; empty for counts and ratios.
+/// The unit of a column or of its error; empty for counts and ratios.
 pub(crate) fn unit(name: &str) -> &'static str {
     let of_error = || column(name.strip_prefix("error_")?);
     column(name).or_else(of_error).map_or("", |column| column.unit)
 }
 
-/// The name of a column ends with its unit, as `_rad_s` or `_m_per_s`.
+/// Whether the name of a column ends with its unit, such as `_rad_s` or `_m_per_s`.
 pub(crate) fn names_unit(name: &str) -> bool {
     let compact = unit(name).replace(' ', "");
     let suffixes = ["_", "_per_"].map(|slash| format!("_{}", compact.replace('/', slash)));
@@ -167,7 +169,7 @@ const EXPECTABLE_COUNT: usize = {
     count
 };
 
-/// Names that `[[expect]]` takes, in the summary's order.
+/// Names that `[[expect]]` accepts, in the summary's order.
 pub const METRICS: &[&str] = &{
     let mut names = [""; EXPECTABLE_COUNT];
     let (mut next, mut i) = (0, 0);

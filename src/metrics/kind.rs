@@ -1,10 +1,10 @@
-//! Kinds of metrics: type of the field, initial and unmeasured values, and form in `run.json`.
+//! Kinds of metrics: type of the field, initial and unmeasured values, and entry in `run.json`.
 
 use super::number::{Measure, Real};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// How a metric is stored.
+/// Storage of a metric.
 pub(super) trait Kind {
     /// Type of the field of [`Metrics`](super::Metrics).
     type Value;
@@ -12,9 +12,9 @@ pub(super) trait Kind {
     type Record: Serialize + DeserializeOwned;
     /// Value before the first step of a simulation.
     const AT_START: Self::Value;
-    /// Value where nothing was measured.
+    /// Value if nothing was measured.
     const UNMEASURED: Self::Value;
-    /// The summary has whole numbers in its columns.
+    /// Whether its columns in the summary contain whole numbers.
     const IS_COUNT: bool = false;
     /// The value from its entry in `run.json`.
     fn read(record: Self::Record) -> Self::Value;
@@ -44,7 +44,7 @@ impl Kind for Count {
     }
 }
 
-/// A [`Count`] that records of earlier versions lack.
+/// A [`Count`] that is missing in records of earlier versions.
 pub(super) struct LaterCount;
 
 impl Kind for LaterCount {
@@ -83,7 +83,7 @@ impl Kind for AtEnd {
     }
 }
 
-/// A running maximum, which begins at 0.
+/// A running maximum, which starts at 0.
 pub(super) struct Running;
 
 impl Kind for Running {
@@ -121,7 +121,7 @@ impl Kind for Vector {
     }
 }
 
-/// A real number that a run need not have, such as the time of an event that never came.
+/// A real number that some runs lack, such as the time of an event that did not happen.
 pub(super) struct OptionalReal;
 
 impl Kind for OptionalReal {
@@ -140,7 +140,7 @@ impl Kind for OptionalReal {
     }
 }
 
-/// A whole number that a run need not have; its column holds reals, since cells may be empty.
+/// A whole number that some runs lack; its column contains reals, since cells may be empty.
 pub(super) struct OptionalCount;
 
 impl Kind for OptionalCount {

@@ -1,11 +1,16 @@
-//! What a run measures: one table of metrics, with names, units, kinds and meanings.
+//! Measurements of a run: one table of metrics, with names, units, kinds and meanings.
 //!
-//! `table` holds the table and the struct [`Metrics`] generated from it; `kind` the types of metrics; `column` the summary's
-//! columns; `number` the JSON form of real numbers. To add a column, add a row to `table` and set its field where it is
-//! measured.
+//! - `table`: the table, and the struct [`Metrics`] generated from it,
+//! - `kind`: types of metrics,
+//! - `column`: columns of the summary,
+//! - `number`: real numbers in JSON.
 //!
-//! Imports nothing of this crate. `sim` fills [`Metrics`]; `scenario` takes the names for `[[expect]]`; `results` writes
-//! records and summaries.
+//! To add a column, add a row to `table` and set its field where it is measured.
+//!
+//! `sim` fills [`Metrics`]; `scenario` uses the names for `[[expect]]`; `results` writes records
+//! and summaries.
+//!
+//! Imports: nothing of this crate. Used by: `scenario`, `sim`, `results`, `report`.
 
 mod column;
 mod kind;

@@ -1,11 +1,11 @@
-//! Real numbers in JSON, which has no word for infinities and NaN: those become `"inf"`, `"-inf"` and `"NaN"`, so the
-//! record of a diverged run says what it saw and reads back.
+//! Real numbers in JSON, which cannot represent infinities and NaN: those become `"inf"`, `"-inf"`
+//! and `"NaN"`, so that the record of a diverged run can be read back.
 
 use schemars::JsonSchema;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// A real number that survives JSON.
+/// A real number with a JSON form for infinities and NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Real(pub f64);
 
@@ -15,15 +15,15 @@ impl Serialize for Real {
     }
 }
 
-/// What was measured, for other programs.
+/// A measured value, for other programs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Measure {
     /// A whole number.
     Count(u64),
-    /// A real number; `"inf"`, `"-inf"` or `"NaN"` where it is none.
+    /// A real number; `"inf"`, `"-inf"` or `"NaN"` if it is not finite.
     Real(#[serde(serialize_with = "real::serialize")] f64),
-    /// Nothing.
+    /// Not measured.
     Nothing,
 }
 
@@ -52,15 +52,17 @@ impl<'de> Deserialize<'de> for Real {
         #[serde(untagged)]
         enum Written {
             Number(f64),
-            Word(String),
+            Text(String),
         }
         match Written::deserialize(deserializer)? {
             Written::Number(x) => Ok(Self(x)),
-            Written::Word(w) => match w.as_str() {
+            Written::Text(text) => match text.as_str() {
                 "inf" => Ok(Self(f64::INFINITY)),
                 "-inf" => Ok(Self(f64::NEG_INFINITY)),
                 "NaN" => Ok(Self(f64::NAN)),
-                _ => Err(D::Error::custom(format!("`{w}` is no number"))),
+                _ => Err(D::Error::custom(format!(
+                    "`{text}` is not a number; expected a number, `inf`, `-inf` or `NaN`"
+                ))),
             },
         }
     }
@@ -79,7 +81,8 @@ pub(crate) mod real {
     }
 }
 
-/// `#[serde(with = "number::some_real")]` for an `Option<f64>` that may be no number; one never measured is null.
+/// `#[serde(with = "number::some_real")]` for an `Option<f64>` that may be infinite or NaN; `None`
+/// is null.
 pub(crate) mod some_real {
     use super::*;
 

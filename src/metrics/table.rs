@@ -1,13 +1,15 @@
-//! The table of metrics. Each row states a column of the summary once: field, name, kind, unit, where it is known, and meaning.
+//! The table of metrics. Each row defines a column of the summary: field, name, kind, unit, the
+//! runs for which it is known, and meaning.
 //!
-//! A row generates the field of [`Metrics`], its entry in `run.json`, its columns in the summary in this order, its name in
-//! `[[expect]]`, its initial and unmeasured values, and its line in `docs/results.md`. Rows read:
+//! A row generates the field of [`Metrics`], its entry in `run.json`, its columns in the summary in
+//! this order, its name in `[[expect]]`, its initial and unmeasured values, and its line in
+//! `docs/results.md`. Forms of a row:
 //!
 //! ```text
 //! field("name"): Kind, "unit", Known, "meaning";             one column, the same name in `run.json`
 //! field("name")["a", "b", "c"]: Vector, ...                  three columns; `[]`: in `run.json` only
 //! = method("name"): ...                                      computed from other fields by `Metrics::method`
-//! @ Source::Figure("name"): ...                              a figure that the summary takes from outside `Metrics`
+//! @ Source::Figure("name"): ...                              a value from outside `Metrics`
 //! ```
 
 use super::column::{ColumnSource, Cost, Distance, Known, MetricRow};
@@ -15,7 +17,7 @@ use super::kind::{AtEnd, Count, Kind, LaterCount, OptionalCount, OptionalReal, R
 use super::number::Measure;
 use serde::{Deserialize, Serialize};
 
-/// Type of the field of a kind, spelled out for the documentation.
+/// Type of the field of a kind, explicit for the documentation.
 macro_rules! value {
     (Count) => { u64 };
     (LaterCount) => { u64 };
@@ -31,11 +33,12 @@ macro_rules! metrics {
         $($field:ident)? $(= $method:ident)? $(@ $source:ident::$figure:ident)?
         ($name:literal) $([$($column:literal),*])?: $kind:ident, $unit:literal, $known:ident, $meaning:literal;
     )*) => {
-        /// What one run measured. Timings and comparisons are recorded separately.
+        /// Measurements of one run. Timings and comparisons are recorded separately.
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
         #[serde(from = "MetricsRecord", into = "MetricsRecord")]
         pub struct Metrics {
-            /// The robot ran in another process or machine: metrics that only a simulation knows are not measured.
+            /// Whether the robot ran in another process or machine: metrics that only a simulation
+            /// knows are not measured.
             pub remote_robot: bool,
             $($(
                 #[doc = $meaning]
@@ -44,14 +47,15 @@ macro_rules! metrics {
         }
 
         impl Metrics {
-            /// Values before the first step of a simulation: counts and running maxima are 0, all others unmeasured.
+            /// Values before the first step of a simulation: counts and running maxima are 0, all
+            /// others unmeasured.
             pub fn at_start() -> Self {
                 Metrics { remote_robot: false, $($($field: $kind::AT_START,)?)* }
             }
         }
 
         impl Default for Metrics {
-            /// Nothing was measured: reals are NaN or none, counts 0.
+            /// No measurements: reals are NaN or none, counts 0.
             fn default() -> Self {
                 Metrics { remote_robot: false, $($($field: $kind::UNMEASURED,)?)* }
             }
@@ -96,14 +100,14 @@ macro_rules! metrics {
     };
 }
 
-/// The listed columns of a row, or its name where it lists none.
+/// The listed columns of a row, or its name if it lists none.
 const fn row_columns(name: &'static [&'static str], listed: &[&'static [&'static str]]) -> &'static [&'static str] {
     if listed.is_empty() { name } else { listed[0] }
 }
 
 impl Metrics {
-    /// Candidates tested per selection; none without any selection. A step without an event counts as one selection that
-    /// kept its states.
+    /// Candidates tested per selection; none without selections. A step without an event counts as
+    /// a selection that tested one candidate.
     pub fn states_tested_mean(&self) -> Option<f64> {
         let selections = self.selections + self.confirmed;
         (self.selections > 0).then(|| (self.states_tested + self.confirmed) as f64 / selections as f64)
@@ -132,7 +136,7 @@ metrics! {
         impulse in zero time ends each, to rest or to lift-off. The event `jam` names the sole, its normal \
         coefficient and the energy lost.";
     inconsistent("inconsistent"): Count, "", Simulation,
-        "Selections without a valid candidate; the least violating one was taken. 0 in a trustworthy run.";
+        "Selections without a valid candidate; the least violating one was taken. 0 if every selection was valid.";
     final_base_position("final_base_position")["final_base_x", "final_base_y", "final_base_z"]: Vector, "m", Robot,
         "Origin of the root link's frame at the end, world axes.";
     final_base_rpy("final_base_rpy")["final_base_roll", "final_base_pitch", "final_base_yaw"]: Vector, "rad", Robot,
@@ -157,7 +161,7 @@ metrics! {
     first_liftoff_s("first_liftoff_s"): OptionalReal, "s", Simulation, "First change of any sole to free.";
     first_slip_s("first_slip_s"): OptionalReal, "s", Simulation, "First change of any sole from static to sliding.";
     first_stick_s("first_stick_s"): OptionalReal, "s", Simulation, "First change of any sole from sliding to static.";
-    first_fall_s("first_fall_s"): OptionalReal, "s", Robot, "First time a stop rule held.";
+    first_fall_s("first_fall_s"): OptionalReal, "s", Robot, "First time `stop.fallen` held.";
     max_projection_m("max_projection_m"): Running, "m", Simulation,
         "Greatest drift projected out of the clamped directions after a step.";
     rms_penetration_m("rms_penetration_m"): AtEnd, "m", Simulation,

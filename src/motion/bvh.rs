@@ -20,11 +20,11 @@ const CHANNELS: [&str; 6] = ["Xposition", "Yposition", "Zposition", "Xrotation",
 pub fn read(text: &str) -> Result<Motion, MotionError> {
     let mut tokens = Tokens { text, at: 0 };
     tokens.expect("HIERARCHY")?;
-    let (mut tracks, mut moving): (Vec<Track>, HashSet<String>) = Default::default();
+    let (mut tracks, mut with_channels): (Vec<Track>, HashSet<String>) = Default::default();
     let mut roots = 0;
     while tokens.peek() == "ROOT" || roots == 0 {
         tokens.expect("ROOT")?;
-        skeleton(&mut tokens, &mut tracks, &mut moving)?;
+        read_skeleton(&mut tokens, &mut tracks, &mut with_channels)?;
         roots += 1;
     }
     let span = tokens.next()?;
@@ -66,21 +66,24 @@ pub fn read(text: &str) -> Result<Motion, MotionError> {
 }
 
 /// Reads a root and its descendants; `ROOT` has been read.
-fn skeleton(tokens: &mut Tokens, tracks: &mut Vec<Track>, moving: &mut HashSet<String>) -> Result<(), MotionError> {
-    let mut depth = 0;
-    joint(tokens, tracks, moving)?;
-    depth += 1;
+fn read_skeleton(
+    tokens: &mut Tokens,
+    tracks: &mut Vec<Track>,
+    with_channels: &mut HashSet<String>,
+) -> Result<(), MotionError> {
+    read_joint(tokens, tracks, with_channels)?;
+    let mut depth = 1;
     while depth > 0 {
         let span = tokens.next()?;
         match &tokens.text[span.clone()] {
             "JOINT" => {
-                joint(tokens, tracks, moving)?;
+                read_joint(tokens, tracks, with_channels)?;
                 depth += 1;
             }
             "End" => {
                 tokens.expect("Site")?;
                 tokens.expect("{")?;
-                offset(tokens)?;
+                read_offset(tokens)?;
                 tokens.expect("}")?;
             }
             "}" => depth -= 1,
@@ -90,19 +93,24 @@ fn skeleton(tokens: &mut Tokens, tracks: &mut Vec<Track>, moving: &mut HashSet<S
     Ok(())
 }
 
-/// Reads name, offset and channels of a joint; `moving` are the earlier joints with channels.
-fn joint(tokens: &mut Tokens, tracks: &mut Vec<Track>, moving: &mut HashSet<String>) -> Result<(), MotionError> {
+/// Reads name, offset and channels of a joint; `with_channels` are the earlier joints with
+/// channels.
+fn read_joint(
+    tokens: &mut Tokens,
+    tracks: &mut Vec<Track>,
+    with_channels: &mut HashSet<String>,
+) -> Result<(), MotionError> {
     let span = tokens.next()?;
     let name = &tokens.text[span.clone()];
     if name == "{" {
         return Err(MotionError::new(span, "the joint has no name"));
     }
-    if moving.contains(name) {
+    if with_channels.contains(name) {
         return Err(MotionError::new(span, format!("there are two joints `{name}`")));
     }
     let (name, first) = (name.to_owned(), tracks.len());
     tokens.expect("{")?;
-    offset(tokens)?;
+    read_offset(tokens)?;
     if tokens.peek() != "CHANNELS" {
         return Ok(());
     }
@@ -124,12 +132,12 @@ fn joint(tokens: &mut Tokens, tracks: &mut Vec<Track>, moving: &mut HashSet<Stri
         tracks.push(Track { name: channel, span, knots: Vec::new() });
     }
     if n > 0 {
-        moving.insert(name);
+        with_channels.insert(name);
     }
     Ok(())
 }
 
-fn offset(tokens: &mut Tokens) -> Result<(), MotionError> {
+fn read_offset(tokens: &mut Tokens) -> Result<(), MotionError> {
     tokens.expect("OFFSET")?;
     (0..3).try_for_each(|_| tokens.number("a coordinate of the offset").map(|_| ()))
 }
@@ -187,13 +195,13 @@ impl Tokens<'_> {
 mod tests {
     use super::*;
 
-    const SOUND: &str = "HIERARCHY\nROOT Hips\n{\n  OFFSET 0 0 0\n  CHANNELS 2 Yposition Zrotation\n  JOINT Arm\n  {\n    \
+    const VALID: &str = "HIERARCHY\nROOT Hips\n{\n  OFFSET 0 0 0\n  CHANNELS 2 Yposition Zrotation\n  JOINT Arm\n  {\n    \
         OFFSET 0 1 0\n    CHANNELS 1 Xrotation\n    End Site\n    {\n      OFFSET 0 1 0\n    }\n  }\n}\nMOTION\n\
         Frames: 3\nFrame Time: 0.5\n10 90 170\n11 0 -170\n12 -90 -90\n";
 
     #[test]
     fn channels_are_tracks_in_radians_and_unwrapped() {
-        let motion = read(SOUND).unwrap();
+        let motion = read(VALID).unwrap();
         let names: Vec<_> = motion.tracks.iter().map(|t| t.name.as_str()).collect();
         assert_eq!(names, ["Hips.Yposition", "Hips.Zrotation", "Arm.Xrotation"]);
         let values = |i: usize| motion.tracks[i].knots.iter().map(|k| k.value).collect::<Vec<_>>();
@@ -223,10 +231,10 @@ mod tests {
             ("-170", "nan", "nan", "a finite number (`Arm.Xrotation` of frame 1 of 3)"),
             ("CHANNELS 2 Yposition Zrotation", "CHANNELS two", "two", "the number of channels"),
         ];
-        for (from, to, span, tokens) in cases {
-            let text = SOUND.replacen(from, to, 1);
+        for (from, to, span, expected) in cases {
+            let text = VALID.replacen(from, to, 1);
             let error = read(&text).unwrap_err();
-            assert!(error.message.contains(tokens), "{to}: {error}");
+            assert!(error.message.contains(expected), "{to}: {error}");
             assert_eq!(&text[error.span.clone()], span, "{to}: {error}");
         }
         assert!(read("").unwrap_err().message.contains("too early"));

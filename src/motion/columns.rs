@@ -18,8 +18,8 @@ use std::ops::Range;
 ///
 /// # Errors
 /// No header, or a header without `time` first; a column without a name, with a duplicate name, or
-/// of another quantity than positions; lines of other length; cells that are not finite numbers;
-/// times that do not increase; a column without numbers.
+/// of a quantity other than positions; lines of different lengths; cells that are not finite
+/// numbers; times that do not increase; a column without numbers.
 pub fn read(text: &str) -> Result<Motion, MotionError> {
     let mut lines = lines(text);
     let Some(header) = lines.next() else {
@@ -73,9 +73,9 @@ fn header_names(text: &str, header: Range<usize>) -> Result<Vec<(String, Range<u
     let (mut names, mut known): (Vec<(String, Range<usize>)>, HashSet<&str>) = Default::default();
     for span in cells {
         let written = &text[span.clone()];
-        let name = match exported(written) {
-            Exported::Position(name) => name,
-            Exported::Other(quantity) => {
+        let name = match parse_column_name(written) {
+            ColumnName::Position(name) => name,
+            ColumnName::Other(quantity) => {
                 let help = "export positions alone: `--columns 'joint.*.desired_position_*'`, or `joint.*.position_*`";
                 let message = format!("a motion holds positions, not `{quantity}`");
                 return Err(MotionError::new(span, message).help(help));
@@ -95,8 +95,8 @@ fn header_names(text: &str, header: Range<usize>) -> Result<Vec<(String, Range<u
     Ok(names)
 }
 
-/// What a column of a table holds.
-enum Exported<'a> {
+/// What the name of a column denotes.
+enum ColumnName<'a> {
     /// Positions of this joint.
     Position(&'a str),
     /// Another quantity that `runner export` writes.
@@ -104,13 +104,13 @@ enum Exported<'a> {
 }
 
 /// Reads a column name as `runner export` writes it; any other name is a joint's.
-fn exported(written: &str) -> Exported<'_> {
+fn parse_column_name(written: &str) -> ColumnName<'_> {
     match written.strip_prefix("joint.").and_then(|rest| rest.rsplit_once('.')) {
         Some((name, "position_rad" | "position_m" | "desired_position_rad" | "desired_position_m")) => {
-            Exported::Position(name)
+            ColumnName::Position(name)
         }
-        Some((_, quantity)) => Exported::Other(quantity),
-        None => Exported::Position(written),
+        Some((_, quantity)) => ColumnName::Other(quantity),
+        None => ColumnName::Position(written),
     }
 }
 

@@ -6,10 +6,10 @@
 //! x    = l averaged three times over a window
 //! ```
 //!
-//! Of all motions no faster than V, l is one that stays nearest to r. The first term is the
-//! greatest such motion below r, the second the least one above it, and no motion within the speed
-//! has a smaller greatest distance from r than their mean (E. J. McShane, Extension of range of
-//! functions, Bull. AMS 40 (1934), for the two envelopes). Unlike a rate limiter, it does not lag.
+//! Among all motions no faster than V, l minimises the greatest distance from r. The first term is
+//! the greatest such motion below r, the second the least one above it; l is their mean (E. J.
+//! McShane, Extension of range of functions, Bull. AMS 40 (1934), for the two envelopes). Unlike a
+//! rate limiter, it does not lag.
 //! Averages of positions within a range and a speed stay within them.
 
 /// Change that a limit made to a stream.
@@ -22,7 +22,7 @@ pub struct Limited {
 }
 
 impl Limited {
-    fn see(&mut self, before: f64, after: f64) {
+    fn record(&mut self, before: f64, after: f64) {
         let distance = (after - before).abs();
         // Smaller differences are rounding of sums that cancel.
         if distance > 1e-12 * before.abs().max(1.0) {
@@ -37,7 +37,7 @@ pub fn range(x: &mut [f64], lower: f64, upper: f64) -> Limited {
     let mut limited = Limited::default();
     for x in x {
         let within = x.max(lower).min(upper);
-        limited.see(*x, within);
+        limited.record(*x, within);
         *x = within;
     }
     limited
@@ -62,7 +62,7 @@ pub fn speed(x: &mut [f64], step: f64) -> Limited {
     let (below, above) = (envelope(1.0), envelope(-1.0));
     for ((x, below), above) in x.iter_mut().zip(below).zip(above) {
         let within = 0.5 * (below - above);
-        limited.see(*x, within);
+        limited.record(*x, within);
         *x = within;
     }
     limited
@@ -78,7 +78,7 @@ pub fn smooth(x: &mut Vec<f64>, half: usize) {
     for _ in 0..3 {
         let (low, high) = extremes(x);
         let last = x.len() - 1;
-        // The window about sample 0: its first half is on the first sample, the rest ahead.
+        // The window about sample 0: its first half repeats the first sample.
         let mut sum = Sum::default();
         sum.add_times(x[0], half);
         (0..=half.min(last)).for_each(|i| sum.add(x[i]));

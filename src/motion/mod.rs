@@ -1,12 +1,13 @@
 //! Joint motions: motion files and the curves through their values.
 //!
-//! A [`Motion`] is the content of a file: for each name a list of times and values with their spans
-//! in the text. [`postures`] and [`columns`] read the files of `playback`, [`bvh`] those of motion
+//! A [`Motion`] is the content of a file: for each name, times and values with their spans in the
+//! text. [`postures`] and [`columns`] read the files of `playback`, [`bvh`] those of motion
 //! capture. [`spline`] joins knots by minimum-jerk curves, [`minimum_jerk`] changes parameters
 //! smoothly, [`limit`] limits a stream in range and speed.
 //!
-//! Imports text only; independent of robots. Called by task, force, collision, scenario and
-//! assemble.
+//! Independent of robots.
+//!
+//! Imports: `text`. Used by: `collision`, `task`, `force`, `assemble`.
 
 pub mod bvh;
 pub mod columns;
@@ -40,7 +41,7 @@ pub struct Track {
 pub struct Knot {
     /// s.
     pub time: f64,
-    /// rad, m, or the file's own unit where it says so.
+    /// rad, m, or the file's own unit where its reader says so.
     pub value: f64,
     /// Span in the file, bytes.
     pub span: Range<usize>,

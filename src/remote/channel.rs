@@ -1,4 +1,4 @@
-//! A socket, and what holds for every packet of a session.
+//! Sends and receives the packets of a session over UDP: numbers, authenticates and filters them.
 
 use std::io::ErrorKind;
 use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
@@ -6,21 +6,21 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crate::remote::counts::Counts;
-use crate::remote::error::LinkError;
-use crate::remote::impair::{BadLine, Impairment};
-use crate::remote::wire::{self, Header, Key, Kind, LONGEST, Refused};
+use crate::remote::impairment::{ImpairedLink, Impairment};
+use crate::remote::link_error::LinkError;
+use crate::remote::wire::{self, Header, Key, Kind, MAX_DATAGRAM, Rejection};
 
-/// Where a side is, and how its packets are sealed.
+/// Address of a side and the key of its packets.
 #[derive(Clone, Debug)]
 pub struct Address {
     /// The socket's address.
     pub at: SocketAddr,
-    /// Seals packets; needed unless `at` is on loopback.
+    /// Authenticates packets; required unless `at` is on loopback.
     pub key: Option<Key>,
 }
 
 impl Address {
-    /// An address that was written, its key in a file.
+    /// Resolves a host and reads the key from a file.
     pub fn read(host: &str, port: u16, key: Option<&Path>) -> Result<Self, LinkError> {
         let unknown = |source| LinkError::Name { name: format!("{host}:{port}"), source };
         let mut found = (host, port).to_socket_addrs().map_err(unknown)?;
@@ -29,44 +29,45 @@ impl Address {
         address.check().map(|()| address)
     }
 
-    /// Refuses to talk in the open beyond this machine.
+    /// Refuses an address beyond loopback without a key.
     pub fn check(&self) -> Result<(), LinkError> {
-        if self.at.ip().is_loopback() || self.key.is_some() { Ok(()) } else { Err(LinkError::Unsealed(self.at)) }
+        if self.at.ip().is_loopback() || self.key.is_some() { Ok(()) } else { Err(LinkError::NoKey(self.at)) }
     }
 }
 
-/// The secret that a file holds, without the line end that an editor puts there.
+/// Reads the secret in a file, without trailing line ends.
 pub fn read_key(path: &Path) -> Result<Key, LinkError> {
     let secret = std::fs::read(path).map_err(|source| LinkError::KeyFile { path: path.to_owned(), source })?;
     let end = secret.iter().rposition(|byte| !b"\r\n".contains(byte)).map_or(0, |last| last + 1);
     Key::of(&secret[..end]).ok_or_else(|| LinkError::ShortKey { path: path.to_owned(), length: end })
 }
 
-/// See the module.
+/// UDP socket with the state of a session.
 pub(super) struct Channel {
     socket: UdpSocket,
     key: Option<Key>,
     pub session: u64,
-    /// The other side.
+    /// Address of the other side.
     pub peer: Option<SocketAddr>,
     sequence: u64,
-    /// Numbers of the first and the newest packet of the other side that were acted on, and how many were.
+    /// Sequence numbers of the first and newest accepted packet, and the number of accepted
+    /// packets.
     first: u64,
     newest: u64,
-    taken: u64,
+    accepted: u64,
     pub counts: Counts,
-    line: Option<BadLine>,
+    sender: Option<ImpairedLink>,
     out: Vec<u8>,
     inbox: Vec<u8>,
-    /// As the socket is set: none when it does not wait.
+    /// Present setting of the socket: `Some(None)` when it does not block.
     timeout: Option<Option<Duration>>,
 }
 
-/// A packet that came.
-pub(super) struct Arrived {
+/// A received packet.
+pub(super) struct Packet {
     pub header: Header,
     pub from: SocketAddr,
-    /// Where in the inbox its body is.
+    /// Range of its body in the inbox.
     body: std::ops::Range<usize>,
 }
 
@@ -85,27 +86,27 @@ impl Channel {
             sequence: 0,
             first: 0,
             newest: 0,
-            taken: 0,
+            accepted: 0,
             counts: Counts::default(),
-            line: impairment.map(|(how, side)| BadLine::new(how, side)),
+            sender: impairment.map(|(impairment, side)| ImpairedLink::new(impairment, side)),
             out: Vec::with_capacity(4096),
-            inbox: vec![0; LONGEST],
+            inbox: vec![0; MAX_DATAGRAM],
             timeout: None,
         })
     }
 
-    /// The address that the system gave.
+    /// Local address of the socket.
     pub fn local(&self) -> Option<SocketAddr> {
         self.socket.local_addr().ok()
     }
 
-    /// Begins a session with a side: what came before counts no more.
+    /// Begins a session with a peer; earlier packets become invalid.
     pub fn begin(&mut self, session: u64, peer: SocketAddr) {
         (self.session, self.peer) = (session, Some(peer));
-        (self.first, self.newest, self.taken) = (0, 0, 0);
+        (self.first, self.newest, self.accepted) = (0, 0, 0);
     }
 
-    /// Sends a packet to the other side; `body` appends it and gives its flags.
+    /// Sends a packet to the other side; `body` appends its content and returns its flags.
     pub fn send(
         &mut self,
         kind: Kind,
@@ -119,30 +120,32 @@ impl Channel {
         let flags = body(&mut self.out);
         self.out[7] |= flags;
         wire::end(self.key.as_ref(), &mut self.out);
-        if self.out.len() > LONGEST {
+        if self.out.len() > MAX_DATAGRAM {
             return Err(LinkError::Long(self.out.len()));
         }
         self.counts.sent += 1;
         let socket = &self.socket;
-        // What the system cannot send now is lost like any other packet; whoever waits for an answer sends it again.
-        match &mut self.line {
+        // A packet that the system cannot send now counts as lost; the side that waits for an
+        // answer resends.
+        match &mut self.sender {
             None => drop(socket.send_to(&self.out, peer)),
-            Some(line) => line.send(&self.out, |packet| drop(socket.send_to(packet, peer))),
+            Some(sender) => sender.send(&self.out, |packet| drop(socket.send_to(packet, peer))),
         }
         Ok(())
     }
 
-    /// Waits for a packet up to an instant; none when none came. What is refused is counted.
+    /// Waits for a valid packet until an instant; none if there is none. Rejected packets are
+    /// counted.
     ///
-    /// A hello is let through whatever session it names, everything else only from the other side, in this session, and
-    /// newer than what came before.
-    pub fn receive(&mut self, until: Instant) -> Result<Option<Arrived>, LinkError> {
+    /// A hello is valid in any session; all other packets must come from the other side, belong to
+    /// this session, and be newer than those accepted before.
+    pub fn receive(&mut self, until: Instant) -> Result<Option<Packet>, LinkError> {
         loop {
-            if let (Some(line), Some(peer)) = (&mut self.line, self.peer) {
+            if let (Some(sender), Some(peer)) = (&mut self.sender, self.peer) {
                 let socket = &self.socket;
-                line.flush(|packet| drop(socket.send_to(packet, peer)));
+                sender.flush(|packet| drop(socket.send_to(packet, peer)));
             }
-            let due = self.line.as_ref().and_then(BadLine::next).map_or(until, |due| due.min(until));
+            let due = self.sender.as_ref().and_then(ImpairedLink::next).map_or(until, |due| due.min(until));
             let wait = due.saturating_duration_since(Instant::now());
             let received = self.wait(wait);
             let (length, from) = match received {
@@ -153,7 +156,7 @@ impl Channel {
                     }
                     continue;
                 }
-                // Nobody listens there yet, or a signal came: as if nothing had come.
+                // The other side is not listening yet, or a signal interrupted the call.
                 Err(error)
                     if matches!(
                         error.kind(),
@@ -168,13 +171,13 @@ impl Channel {
                 }
             };
             match self.accept(length, from) {
-                Ok(arrived) => return Ok(Some(arrived)),
-                Err(why) => self.counts.refuse(why),
+                Ok(packet) => return Ok(Some(packet)),
+                Err(reason) => self.counts.reject(reason),
             }
         }
     }
 
-    /// One datagram, or an error of kind `WouldBlock` when none comes in time.
+    /// Receives one datagram; an error of kind `WouldBlock` if there is none in time.
     fn wait(&mut self, wait: Duration) -> std::io::Result<(usize, SocketAddr)> {
         let blocking = !wait.is_zero();
         let timeout = blocking.then(|| wait.max(Duration::from_micros(50)));
@@ -191,46 +194,46 @@ impl Channel {
         self.socket.recv_from(&mut self.inbox)
     }
 
-    fn accept(&mut self, length: usize, from: SocketAddr) -> Result<Arrived, Refused> {
+    fn accept(&mut self, length: usize, from: SocketAddr) -> Result<Packet, Rejection> {
         let (header, body) = wire::open(&self.inbox[..length], self.key.as_ref())?;
         let start = wire::HEADER;
         let body = start..start + body.len();
         if header.kind != Kind::Hello && header.kind != Kind::Welcome {
             if self.peer != Some(from) || header.session != self.session {
-                return Err(Refused::Session);
+                return Err(Rejection::Session);
             }
             if header.sequence <= self.newest {
-                return Err(Refused::Replayed);
+                return Err(Rejection::Replayed);
             }
         }
-        Ok(Arrived { header, from, body })
+        Ok(Packet { header, from, body })
     }
 
-    /// The body of what came last.
-    pub fn body(&self, arrived: &Arrived) -> &[u8] {
-        &self.inbox[arrived.body.clone()]
+    /// Body of the last received packet.
+    pub fn body(&self, packet: &Packet) -> &[u8] {
+        &self.inbox[packet.body.clone()]
     }
 
-    /// Takes note that a packet was acted on: what is older is acted on no more.
-    pub fn take(&mut self, arrived: &Arrived) {
-        self.newest = arrived.header.sequence;
-        if self.taken == 0 {
+    /// Marks a packet as accepted; older ones are rejected from now on.
+    pub fn mark_accepted(&mut self, packet: &Packet) {
+        self.newest = packet.header.sequence;
+        if self.accepted == 0 {
             self.first = self.newest;
         }
-        self.taken += 1;
+        self.accepted += 1;
         self.counts.received += 1;
-        self.counts.missing = self.newest - self.first + 1 - self.taken;
+        self.counts.missing = self.newest - self.first + 1 - self.accepted;
     }
 
-    /// Nothing was heard for a time.
+    /// Error after a time without packets.
     pub fn silent(&self, after: Duration) -> LinkError {
-        let refused: Vec<_> = Refused::ALL
+        let rejected: Vec<_> = Rejection::ALL
             .into_iter()
-            .filter(|why| self.counts.refused(*why) > 0)
-            .map(|why| format!("{} dropped ({})", self.counts.refused(why), why.name()))
+            .filter(|reason| self.counts.rejected(*reason) > 0)
+            .map(|reason| format!("{} dropped ({})", self.counts.rejected(reason), reason.name()))
             .collect();
-        let found = if refused.is_empty() { String::new() } else { format!("; {}", refused.join(", ")) };
-        let address = self.peer.map_or("anybody".into(), |peer| peer.to_string());
+        let found = if rejected.is_empty() { String::new() } else { format!("; {}", rejected.join(", ")) };
+        let address = self.peer.map_or("any client".into(), |peer| peer.to_string());
         LinkError::Silent { address, seconds: after.as_secs_f64(), found }
     }
 }

@@ -1,48 +1,48 @@
-//! What came and went over a link.
+//! Counts the packets of a link.
 
 use std::fmt;
 
-use crate::remote::wire::Refused;
+use crate::remote::wire::Rejection;
 
 /// Packets of one side.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Packets sent, those sent again among them.
+    /// Packets sent, resent ones included.
     pub sent: u64,
-    /// Of these, sent again because no answer came.
-    pub again: u64,
-    /// Packets that were acted on.
+    /// Packets resent because there was no answer.
+    pub resent: u64,
+    /// Packets accepted.
     pub received: u64,
-    /// Packets of the other side that never came: gaps in its numbers.
+    /// Packets of the other side that were lost: gaps in its sequence numbers.
     pub missing: u64,
-    /// Ticks that went by without fresh control.
+    /// Ticks without a new command.
     pub stale: u64,
-    refused: [u64; Refused::ALL.len()],
+    rejected: [u64; Rejection::ALL.len()],
 }
 
 impl Counts {
-    /// One more that was not acted on.
-    pub fn refuse(&mut self, why: Refused) {
-        self.refused[why as usize] += 1;
+    /// Counts a rejected packet.
+    pub fn reject(&mut self, reason: Rejection) {
+        self.rejected[reason as usize] += 1;
     }
 
-    /// How many were not acted on for this reason.
-    pub fn refused(&self, why: Refused) -> u64 {
-        self.refused[why as usize]
+    /// Number of packets rejected for this reason.
+    pub fn rejected(&self, reason: Rejection) -> u64 {
+        self.rejected[reason as usize]
     }
 }
 
 impl fmt::Display for Counts {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} packets sent, {} received, {} lost on the way here", self.sent, self.received, self.missing)?;
-        if self.again > 0 {
-            write!(f, ", {} sent again", self.again)?;
+        write!(f, "{} packets sent, {} received, {} lost", self.sent, self.received, self.missing)?;
+        if self.resent > 0 {
+            write!(f, ", {} resent", self.resent)?;
         }
         if self.stale > 0 {
-            write!(f, ", {} ticks without fresh control", self.stale)?;
+            write!(f, ", {} ticks without a new command", self.stale)?;
         }
-        for why in Refused::ALL.into_iter().filter(|why| self.refused(*why) > 0) {
-            write!(f, ", {} dropped ({})", self.refused(why), why.name())?;
+        for reason in Rejection::ALL.into_iter().filter(|reason| self.rejected(*reason) > 0) {
+            write!(f, ", {} dropped ({})", self.rejected(reason), reason.name())?;
         }
         Ok(())
     }

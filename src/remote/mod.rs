@@ -1,30 +1,33 @@
-//! One task, here or there: tasks that run in one process and a robot in another, over UDP.
+//! Connects tasks in one process with a robot in another, over UDP.
 //!
-//! What passes between them is what passes inside a simulation: [`crate::task::Command`] and [`crate::task::Sensed`].
-//! The robot's side ([`MotorServer`]) has the clock; the tasks' side ([`Remote`]) answers each of its ticks.
+//! The two exchange what a simulation exchanges inside one process: [`crate::task::Command`] and
+//! [`crate::task::SensorReadings`]. The robot side ([`MotorServer`]) owns the clock; the task side
+//! ([`RobotClient`]) answers each tick.
+//!
+//! Imports: `random`, `robot`, `dynamics`, `task`, `sim`. Used by: `live`, `batch`, `cli`.
 
 mod channel;
 mod counts;
-mod error;
-mod impair;
+mod impairment;
+mod link_error;
 mod motor_server;
-mod task_side;
+mod robot_client;
 pub mod wire;
 
 pub use channel::{Address, read_key};
 pub use counts::Counts;
-pub use error::LinkError;
-pub use impair::Impairment;
+pub use impairment::Impairment;
+pub use link_error::LinkError;
 pub use motor_server::{MotorServer, Pace};
-pub use task_side::{Heard, Remote};
+pub use robot_client::{RobotClient, RobotMessage};
 
 use std::hash::{BuildHasher, RandomState};
 use std::time::Duration;
 
-/// Silence after which the other side counts as gone.
+/// Silence after which the other side counts as disconnected.
 pub const SILENCE: Duration = Duration::from_secs(3);
 
-/// A number that nobody foresees, from the system's randomness.
+/// An unpredictable number from the system's randomness.
 pub(crate) fn nonce() -> u64 {
     RandomState::new().hash_one("link").max(1)
 }

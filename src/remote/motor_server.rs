@@ -1,25 +1,26 @@
-//! The robot's side: takes control, gives sensing, at each tick of its clock.
+//! Robot side of a link: sends sensing and receives control at each tick of its clock.
 //!
-//! As fast as control comes, a tick waits for the control that answers it; what was lost is asked for by sending the sensing
-//! again. At a pace, a tick waits for its time and takes the newest control that came before; without any the last one goes on.
+//! At a free pace each tick waits for the control that answers it, and resends its sensing until
+//! then. At a fixed pace each tick waits for its time and uses the newest control received before;
+//! without one the last command stays in force.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::remote::channel::{Address, Arrived, Channel};
+use crate::remote::channel::{Address, Channel, Packet};
 use crate::remote::counts::Counts;
-use crate::remote::error::LinkError;
-use crate::remote::impair::Impairment;
-use crate::remote::wire::{Hello, Kind, Refused, Welcome, fingerprint, flags, read_control, write_sensing};
+use crate::remote::impairment::Impairment;
+use crate::remote::link_error::LinkError;
+use crate::remote::wire::{Hello, Kind, Rejection, Welcome, fingerprint, flags, read_control, write_sensing};
 use crate::remote::{SILENCE, nonce};
 use crate::robot::Model;
 use crate::sim::CommandSource;
 use crate::sim::RunError;
-use crate::task::{Command, Sensed};
+use crate::task::{Command, SensorReadings};
 
-/// How the robot's clock goes.
+/// Pace of the robot's clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
     /// Each tick waits for its control.
@@ -28,31 +29,31 @@ pub enum Pace {
     Times(f64),
 }
 
-/// First wait before sensing is sent again, and the longest.
-const AGAIN: (Duration, Duration) = (Duration::from_millis(4), Duration::from_millis(64));
-/// How long the end of the run is told to a side that does not say that it heard.
-const FAREWELL: Duration = Duration::from_millis(500);
+/// First and longest wait before sensing is resent.
+const RESEND: (Duration, Duration) = (Duration::from_millis(4), Duration::from_millis(64));
+/// Time for which the end of the run is resent without an acknowledgement.
+const FINISH: Duration = Duration::from_millis(500);
 
-/// See the module.
+/// Robot side of a link.
 pub struct MotorServer {
     channel: Channel,
     robot: [u8; 32],
     rate: f64,
     pace: Pace,
     cancel: Option<Arc<AtomicBool>>,
-    /// The hello that is answered, and whether control has come in its session.
+    /// Number of the answered hello, and whether its session has sent control.
     answers: u64,
     confirmed: bool,
-    /// When the clock stood at 0.
+    /// Wall-clock instant of time 0.
     start: Option<Instant>,
-    heard: Instant,
-    /// What was read last; of a packet that is refused half read.
-    read: Command,
+    last_received: Instant,
+    /// Buffer for decoding; partly overwritten by rejected packets.
+    buffer: Command,
     last: Command,
 }
 
 impl MotorServer {
-    /// Binds the address. `command` is held until control comes.
+    /// Binds the address. `command` is in force until the first control.
     pub fn bind(
         address: &Address,
         model: &Model,
@@ -62,7 +63,7 @@ impl MotorServer {
         cancel: Option<Arc<AtomicBool>>,
     ) -> Result<Self, LinkError> {
         Ok(MotorServer {
-            channel: Channel::bind(address, impairment.map(|how| (how, "robot")))?,
+            channel: Channel::bind(address, impairment.map(|impairment| (impairment, "robot")))?,
             robot: fingerprint(model),
             rate,
             pace,
@@ -70,95 +71,101 @@ impl MotorServer {
             answers: 0,
             confirmed: false,
             start: None,
-            heard: Instant::now(),
-            read: command.clone(),
+            last_received: Instant::now(),
+            buffer: command.clone(),
             last: command.clone(),
         })
     }
 
-    /// Where it listens.
+    /// Address on which it listens.
     pub fn local(&self) -> Option<SocketAddr> {
         self.channel.local()
     }
 
-    /// What came and went.
+    /// Packet counts.
     pub fn counts(&self) -> Counts {
         self.channel.counts
     }
 
-    /// Waits for somebody who wants this robot, at most `patience`.
-    pub fn wait(&mut self, patience: Option<Duration>) -> Result<(), LinkError> {
-        let end = patience.map(|patience| Instant::now() + patience);
+    /// Waits for a client's hello, at most `limit`.
+    pub fn wait(&mut self, limit: Option<Duration>) -> Result<(), LinkError> {
+        let end = limit.map(|limit| Instant::now() + limit);
         loop {
             self.check_cancelled()?;
             let now = Instant::now();
             if end.is_some_and(|end| now >= end) {
-                return Err(self.silent(patience.unwrap_or_default()));
+                return Err(self.silent(limit.unwrap_or_default()));
             }
             let slice = now + Duration::from_millis(100);
-            if let Some(arrived) = self.channel.receive(end.map_or(slice, |end| end.min(slice)))?
-                && self.greet(&arrived)?
+            if let Some(packet) = self.channel.receive(end.map_or(slice, |end| end.min(slice)))?
+                && self.greet(&packet)?
             {
-                self.heard = Instant::now();
+                self.last_received = Instant::now();
                 return Ok(());
             }
         }
     }
 
-    /// Answers a hello; is there a session now that was not there before?
-    fn greet(&mut self, arrived: &Arrived) -> Result<bool, LinkError> {
-        if arrived.header.kind != Kind::Hello {
-            self.channel.counts.refuse(Refused::Session);
+    /// Answers a hello. Returns whether a new session began.
+    fn greet(&mut self, packet: &Packet) -> Result<bool, LinkError> {
+        if packet.header.kind != Kind::Hello {
+            self.channel.counts.reject(Rejection::Session);
             return Ok(false);
         }
-        let (from, asked) = (arrived.from, arrived.header.session);
-        let again = self.channel.peer == Some(from) && self.answers == asked;
-        if self.confirmed && !again {
-            self.channel.counts.refuse(Refused::Session);
+        let (from, hello) = (packet.from, packet.header.session);
+        let repeated = self.channel.peer == Some(from) && self.answers == hello;
+        if self.confirmed && !repeated {
+            self.channel.counts.reject(Rejection::Session);
             return Ok(false);
         }
-        if let Err(why) = Hello::read(self.channel.body(arrived)) {
-            self.channel.counts.refuse(why);
+        if let Err(reason) = Hello::read(self.channel.body(packet)) {
+            self.channel.counts.reject(reason);
             return Ok(false);
         }
-        if !again {
-            self.answers = asked;
+        if !repeated {
+            self.answers = hello;
             self.channel.begin(nonce(), from);
         }
         let pace = match self.pace {
             Pace::Free => 0.0,
             Pace::Times(times) => times,
         };
-        let welcome = Welcome { answers: asked, robot: self.robot, rate: self.rate, pace };
+        let welcome = Welcome { answers: hello, robot: self.robot, rate: self.rate, pace };
         self.channel.send(Kind::Welcome, (0, 0.0), |out| {
             welcome.write(out);
             0
         })?;
-        Ok(!again)
+        Ok(!repeated)
     }
 
-    /// Tells what the sensors say and gives what the joints are asked from now on, and the next tick of interest.
-    pub fn exchange(&mut self, sensed: &Sensed, command: &mut Command) -> Result<Option<u64>, LinkError> {
+    /// Sends the sensor readings, receives the joint commands and returns the next tick for which
+    /// the tasks need sensing.
+    pub fn exchange(&mut self, sensed: &SensorReadings, command: &mut Command) -> Result<Option<u64>, LinkError> {
         let tick = (sensed.time * self.rate).round() as u64;
         match self.pace {
-            Pace::Times(pace) if self.start.is_some() => self.at_pace(tick, sensed, pace, command),
-            _ => self.in_step(tick, sensed, command),
+            Pace::Times(pace) if self.start.is_some() => self.exchange_at_pace(tick, sensed, pace, command),
+            _ => self.exchange_in_step(tick, sensed, command),
         }
     }
 
-    fn in_step(&mut self, tick: u64, sensed: &Sensed, command: &mut Command) -> Result<Option<u64>, LinkError> {
-        let mut wait = AGAIN.0;
-        self.tell(tick, sensed, 0)?;
-        self.heard = Instant::now();
-        let mut resend = self.heard + wait;
+    fn exchange_in_step(
+        &mut self,
+        tick: u64,
+        sensed: &SensorReadings,
+        command: &mut Command,
+    ) -> Result<Option<u64>, LinkError> {
+        let mut wait = RESEND.0;
+        self.send_sensing(tick, sensed, 0)?;
+        self.last_received = Instant::now();
+        let mut resend = self.last_received + wait;
         loop {
             self.check_cancelled()?;
-            if self.heard.elapsed() >= SILENCE {
+            if self.last_received.elapsed() >= SILENCE {
                 return Err(self.silent(SILENCE));
             }
             match self.channel.receive(resend)? {
-                Some(arrived) => {
-                    if let Some(next) = self.hear(&arrived, Some(tick))? {
+                Some(packet) => {
+                    if let Some(next) = self.receive(&packet, Some(tick))? {
                         command.copy_from(&self.last);
                         if let Pace::Times(_) = self.pace {
                             self.start = Some(Instant::now());
@@ -168,19 +175,19 @@ impl MotorServer {
                     }
                 }
                 None => {
-                    self.channel.counts.again += 1;
-                    self.tell(tick, sensed, 0)?;
-                    wait = (2 * wait).min(AGAIN.1);
+                    self.channel.counts.resent += 1;
+                    self.send_sensing(tick, sensed, 0)?;
+                    wait = (2 * wait).min(RESEND.1);
                     resend = Instant::now() + wait;
                 }
             }
         }
     }
 
-    fn at_pace(
+    fn exchange_at_pace(
         &mut self,
         tick: u64,
-        sensed: &Sensed,
+        sensed: &SensorReadings,
         pace: f64,
         command: &mut Command,
     ) -> Result<Option<u64>, LinkError> {
@@ -188,65 +195,66 @@ impl MotorServer {
         let mut fresh = false;
         loop {
             self.check_cancelled()?;
-            // What has come is read even when the tick is late.
+            // Received packets are read even if the tick is late.
             let slice = due.min(Instant::now() + Duration::from_millis(100));
             match self.channel.receive(slice)? {
-                Some(arrived) => fresh |= self.hear(&arrived, None)?.is_some(),
+                Some(packet) => fresh |= self.receive(&packet, None)?.is_some(),
                 None if Instant::now() >= due => break,
                 None => {}
             }
         }
         if fresh {
-            self.heard = Instant::now();
+            self.last_received = Instant::now();
         } else {
             self.channel.counts.stale += 1;
-            if self.heard.elapsed() >= SILENCE {
+            if self.last_received.elapsed() >= SILENCE {
                 return Err(self.silent(SILENCE));
             }
         }
         command.copy_from(&self.last);
-        self.tell(tick, sensed, 0)?;
+        self.send_sensing(tick, sensed, 0)?;
         Ok(Some(tick + 1))
     }
 
-    /// Acts on a packet; gives the tick that came with control, if it was control that is wanted: any, or the answer to a tick.
-    fn hear(&mut self, arrived: &Arrived, wanted: Option<u64>) -> Result<Option<Option<u64>>, LinkError> {
-        match arrived.header.kind {
-            Kind::Control => match read_control(self.channel.body(arrived), &mut self.read) {
-                Err(why) => self.channel.counts.refuse(why),
-                Ok(_) if wanted.is_some_and(|tick| arrived.header.tick != tick) => {
-                    self.channel.counts.refuse(Refused::Replayed);
+    /// Processes a packet. Returns the next tick of a control packet, if it is acceptable: any, or
+    /// the answer to a tick.
+    fn receive(&mut self, packet: &Packet, answer_to: Option<u64>) -> Result<Option<Option<u64>>, LinkError> {
+        match packet.header.kind {
+            Kind::Control => match read_control(self.channel.body(packet), &mut self.buffer) {
+                Err(reason) => self.channel.counts.reject(reason),
+                Ok(_) if answer_to.is_some_and(|tick| packet.header.tick != tick) => {
+                    self.channel.counts.reject(Rejection::Replayed);
                 }
                 Ok(next) => {
-                    self.channel.take(arrived);
+                    self.channel.mark_accepted(packet);
                     self.confirmed = true;
-                    self.last.copy_from(&self.read);
+                    self.last.copy_from(&self.buffer);
                     return Ok(Some(next));
                 }
             },
             Kind::Hello => {
-                self.greet(arrived)?;
+                self.greet(packet)?;
             }
-            Kind::Bye => return Err(LinkError::Ended(arrived.from)),
-            Kind::Welcome | Kind::Sensing => self.channel.counts.refuse(Refused::Foreign),
+            Kind::Bye => return Err(LinkError::Ended(packet.from)),
+            Kind::Welcome | Kind::Sensing => self.channel.counts.reject(Rejection::Foreign),
         }
         Ok(None)
     }
 
-    fn tell(&mut self, tick: u64, sensed: &Sensed, more: u8) -> Result<(), LinkError> {
-        self.channel.send(Kind::Sensing, (tick, sensed.time), |out| write_sensing(sensed, out) | more)
+    fn send_sensing(&mut self, tick: u64, sensed: &SensorReadings, more_flags: u8) -> Result<(), LinkError> {
+        self.channel.send(Kind::Sensing, (tick, sensed.time), |out| write_sensing(sensed, out) | more_flags)
     }
 
-    /// Tells the last of the run, until the other side says that it heard or for half a second.
-    pub fn finish(&mut self, sensed: &Sensed) -> Result<(), LinkError> {
+    /// Sends the last readings until the other side acknowledges them, at most for half a second.
+    pub fn finish(&mut self, sensed: &SensorReadings) -> Result<(), LinkError> {
         let tick = (sensed.time * self.rate).round() as u64;
-        let end = Instant::now() + FAREWELL;
+        let end = Instant::now() + FINISH;
         while Instant::now() < end {
-            self.tell(tick, sensed, flags::LAST)?;
-            let until = (Instant::now() + AGAIN.1).min(end);
-            while let Some(arrived) = self.channel.receive(until)? {
-                if arrived.header.kind == Kind::Bye {
-                    self.channel.take(&arrived);
+            self.send_sensing(tick, sensed, flags::LAST)?;
+            let until = (Instant::now() + RESEND.1).min(end);
+            while let Some(packet) = self.channel.receive(until)? {
+                if packet.header.kind == Kind::Bye {
+                    self.channel.mark_accepted(&packet);
                     return Ok(());
                 }
             }
@@ -254,7 +262,7 @@ impl MotorServer {
         Ok(())
     }
 
-    /// Ends the session before its time.
+    /// Ends the session early.
     pub fn leave(&mut self) {
         let _ = self.channel.send(Kind::Bye, (0, 0.0), |_| 0);
     }
@@ -270,11 +278,11 @@ impl MotorServer {
 }
 
 impl CommandSource for MotorServer {
-    fn exchange(&mut self, sensed: &Sensed, command: &mut Command) -> Result<Option<u64>, RunError> {
+    fn exchange(&mut self, sensed: &SensorReadings, command: &mut Command) -> Result<Option<u64>, RunError> {
         MotorServer::exchange(self, sensed, command).map_err(RunError::from)
     }
 
-    fn finish(&mut self, sensed: &Sensed) -> Result<(), RunError> {
+    fn finish(&mut self, sensed: &SensorReadings) -> Result<(), RunError> {
         MotorServer::finish(self, sensed).map_err(RunError::from)
     }
 

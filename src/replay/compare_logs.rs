@@ -1,27 +1,26 @@
 //! Compares the logs of a run and its re-run, bit for bit.
 
 use crate::export::{DataTable, Selection, Values, events, series};
-use crate::files::input;
 use crate::files::names;
-use crate::log::{LogError, Trajectory};
+use crate::log::{LogError, Trajectory, read_bytes};
 use crate::replay::difference::Difference;
 use std::path::Path;
 
-/// The first difference; none if the files are equal or, with changed inputs, if series and events are. The log of a run
-/// that was `terminated` externally may be a beginning of the other.
+/// The first difference; none if the files are equal or, with changed inputs, if series and events
+/// are. The log of a run that was `terminated` externally may be a beginning of the other.
 pub(super) fn compare(then: &Path, now: &Path, inputs_changed: bool, terminated: bool) -> Option<Difference> {
-    let bytes = |path: &Path| input::read(path, input::UNLIMITED);
-    let read = |path: &Path| bytes(path).map_err(|source| LogError::Io { path: path.to_owned(), source });
-    match (read(then), read(now)) {
-        (Ok(a), Ok(b)) if a == b => None,
-        (Ok(a), Ok(b)) => match (Trajectory::from_bytes(then, &a), Trajectory::from_bytes(now, &b)) {
-            (Ok(a), Ok(b)) => compare_contents(&a, &b, inputs_changed, terminated),
-            (Err(error), _) => Some(difference("as a whole", error, "a sound log")),
-            (_, Err(error)) => Some(difference("as a whole", "a sound log", error)),
-        },
-        (Err(error), _) => Some(difference("as a whole", error, "a sound log")),
-        (_, Err(error)) => Some(difference("as a whole", "a sound log", error)),
-    }
+    let invalid_then = |error: LogError| difference("as a whole", error, "a valid log");
+    let invalid_now = |error: LogError| difference("as a whole", "a valid log", error);
+    let compare = || {
+        let (a, b) = (read_bytes(then).map_err(invalid_then)?, read_bytes(now).map_err(invalid_now)?);
+        if a == b {
+            return Ok(None);
+        }
+        let a = Trajectory::from_bytes(then, &a).map_err(invalid_then)?;
+        let b = Trajectory::from_bytes(now, &b).map_err(invalid_now)?;
+        Ok(compare_contents(&a, &b, inputs_changed, terminated))
+    };
+    compare().unwrap_or_else(Some)
 }
 
 fn compare_contents(then: &Trajectory, now: &Trajectory, inputs_changed: bool, terminated: bool) -> Option<Difference> {
@@ -41,17 +40,17 @@ fn compare_contents(then: &Trajectory, now: &Trajectory, inputs_changed: bool, t
     match different_text {
         Some((a, b)) => Some(difference("attached text", &a.name, format!("another {}", b.name))),
         None if then.complete != now.complete => {
-            let words = |complete| if complete { "a complete log" } else { "one that ends early" };
-            Some(difference("as a whole", words(then.complete), words(now.complete)))
+            let completeness = |complete| if complete { "a complete log" } else { "one that ends early" };
+            Some(difference("as a whole", completeness(then.complete), completeness(now.complete)))
         }
         None => {
-            let position = "series and events are equal; drawn shapes or descriptions of messages are not";
+            let position = "series and events are equal; drawn shapes or message descriptions differ";
             Some(Difference { file: names::LOG, position: position.to_owned(), values: None, more: 0 })
         }
     }
 }
 
-/// The first row of two tables with a difference: its time, and what it is.
+/// The first row with a difference between two tables: its time and the difference.
 fn rows(then: &DataTable, now: &DataTable, what: &str, terminated: bool) -> Option<(f64, Difference)> {
     let pairs: Vec<_> = then.columns().iter().map(|(name, a)| (name, a, now.column(name))).collect();
     let time = |table: &DataTable, row: usize| match table.columns().first() {
@@ -72,9 +71,9 @@ fn rows(then: &DataTable, now: &DataTable, what: &str, terminated: bool) -> Opti
         return None;
     }
     let (longer, count) = if a > b { (then, b) } else { (now, a) };
-    let words = |n: usize| if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") };
+    let counted = |n: usize| if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") };
     let first = time(longer, count);
-    Some((first, difference(format!("from {first} s on"), words(a), words(b))))
+    Some((first, difference(format!("from {first} s on"), counted(a), counted(b))))
 }
 
 /// The text of a cell; different values have different texts.

@@ -5,7 +5,8 @@ use crate::replay::difference::Difference;
 use crate::results::RunRecord;
 use serde_json::Value;
 
-/// Keys that are not compared: they depend on time, machine, sweep or inputs. Logs are compared themselves.
+/// Keys that are not compared: they depend on time, machine, sweep or inputs. Logs are compared
+/// themselves.
 const NOT_COMPARED: [&str; 7] = ["timing", "parameters", "inputs", "key", "program", "resolved", "log"];
 
 /// The first value that differs.

@@ -7,10 +7,11 @@ use crate::replay::recorded_run::RecordedRun;
 use crate::replay::rerun::Rerun;
 use crate::replay::{compare_logs, compare_records};
 
-/// The first difference of the logs and the first of the records; none if both are the same to the last bit.
+/// The first difference of the logs and the first of the records; none if both are the same to the
+/// last bit.
 ///
-/// Not compared are wall-clock times, swept parameters (a re-run is not swept), and what changed inputs change by
-/// themselves: hashes, key, program, and the texts attached to the log.
+/// Not compared are wall-clock times, swept parameters (a re-run is not swept), and what changed
+/// inputs change by themselves: hashes, key, program, and the texts attached to the log.
 pub fn compare(recorded: &RecordedRun, rerun: &Rerun) -> Vec<Difference> {
     let inputs_changed = rerun.changes.iter().any(InputChange::affects_result);
     let terminated = recorded.terminated_externally();

@@ -32,8 +32,9 @@ pub enum InputChange {
     /// A file that the recorded run did not read.
     New(String),
     /// A file that the re-run does not read.
-    Gone(String),
-    /// All files are unchanged, but the key differs: the scenario in the record is not the one that was run.
+    Removed(String),
+    /// All files are unchanged, but the key differs: the scenario in the record is not the one that
+    /// was run.
     Record,
 }
 
@@ -45,9 +46,9 @@ impl fmt::Display for InputChange {
                 write!(f, "it was run by another build of this version, {then}, this is {now}")
             }
             InputChange::Machine { then, now } => write!(f, "it was run on {then}, this is {now}"),
-            InputChange::Input(name) => write!(f, "{name} has changed since"),
+            InputChange::Input(name) => write!(f, "{name} has changed since the record"),
             InputChange::New(name) => write!(f, "{name} was not among its files"),
-            InputChange::Gone(name) => write!(f, "{name} is not among its files any more"),
+            InputChange::Removed(name) => write!(f, "{name} is no longer among its files"),
             InputChange::Record => {
                 write!(f, "the scenario in the record is not the one that was run: it gives another key")
             }
@@ -62,8 +63,8 @@ impl InputChange {
     }
 }
 
-/// Differences between the inputs of two records of one run. Names may repeat (two meshes of one name in different
-/// packages); the n-th file of a name is compared with the n-th.
+/// Differences between the inputs of two records of one run. Names may repeat (two meshes of one
+/// name in different packages); the n-th file of a name is compared with the n-th.
 pub(super) fn changes(then: &RunRecord, now: &RunRecord) -> Vec<InputChange> {
     let mut all = Vec::new();
     if then.program != now.program {
@@ -86,7 +87,7 @@ pub(super) fn changes(then: &RunRecord, now: &RunRecord) -> Vec<InputChange> {
                     all.push(InputChange::Input(input.name.clone()));
                 }
             }
-            None => all.push(InputChange::Gone(input.name.clone())),
+            None => all.push(InputChange::Removed(input.name.clone())),
         }
     }
     all.extend(remaining.into_iter().map(|input| InputChange::New(input.name.clone())));

@@ -1,11 +1,13 @@
 //! Re-runs a recorded run and compares the result with the record, bit for bit.
 //!
 //! ```text
-//! run.json -> resolved scenario -> one run in a new folder -> its run.json and log.mcap -> differences
+//! run.json -> resolved scenario -> run in a new folder -> run.json, log.mcap -> differences
 //! ```
 //!
-//! A record holds the scenario with every value written out, and the hashes of its input files. The files themselves are
-//! read from where they were; changed files are reported. Imports `batch`, `results`, `export`, `log`; called by `cli`.
+//! A record has the resolved scenario and the hashes of its input files. The files themselves are
+//! read from their recorded paths; changed files are reported.
+//!
+//! Imports: `files`, `scenario`, `sim`, `log`, `results`, `export`, `batch`. Used by: `cli`.
 
 mod compare_logs;
 mod compare_records;

@@ -28,14 +28,15 @@ impl RecordedRun {
         Ok(Self { path: path.to_owned(), record, log })
     }
 
-    /// True if a time limit or a user terminated the run; a re-run does not end at the same instant.
+    /// True if a time limit or a user terminated the run; a re-run does not end at the same
+    /// instant.
     pub fn terminated_externally(&self) -> bool {
         matches!(self.record.outcome, Outcome::TimedOut | Outcome::Cancelled)
     }
 }
 
-/// Finds the run of a folder or of a `run.json`, the runs of a folder of results, or the run below `results` whose key
-/// begins with `target`. Reference runs are found as well.
+/// Finds the run of a folder or of a `run.json`, the runs of a folder of results, or the run below
+/// `results` whose key begins with `target`. Reference runs are found as well.
 ///
 /// # Errors
 /// There is none, or several keys begin with the text.

@@ -27,9 +27,7 @@ pub enum ReplayError {
         found: String,
     },
     /// The record lacks the path of its scenario file.
-    #[error(
-        "{record} does not name the folder that paths of its scenario are relative to; give it with `--base FOLDER`"
-    )]
+    #[error("{record} does not name the base folder of the paths in its scenario; give it with `--base FOLDER`")]
     NoBaseFolder {
         /// The record.
         record: PathBuf,

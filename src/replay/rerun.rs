@@ -25,8 +25,9 @@ pub struct Rerun {
     pub changes: Vec<InputChange>,
 }
 
-/// Reads the inputs of a run. Paths of its scenario are relative to `base`, or to the folder that the record names. Results
-/// are written below `output`, with the selected contact problems. A wall-clock limit terminates it like any run.
+/// Reads the inputs of a run. Paths of its scenario are relative to `base`, or to the folder that
+/// the record names. Results are written below `output`, with the selected contact problems. A
+/// wall-clock limit terminates it like any run.
 ///
 /// # Errors
 /// The base folder is unknown; a file is missing or invalid; the output folder cannot be written.
@@ -52,7 +53,7 @@ pub fn prepare(
         absent: named.clone().filter(|file| !file.exists()),
         findings: Box::new(findings),
     };
-    // The scenario comes from the record; its file is not read, only named.
+    // The scenario comes from the record; its file is named in errors and not read.
     let file = folder.join(format!("{}.toml", record.scenario));
     let parsed = scenario::parse(&file, record.resolved.as_str()).map_err(|diagnostics| {
         let mut findings = Findings::default();

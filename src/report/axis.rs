@@ -12,7 +12,7 @@ pub(super) struct Axis {
     pub ticks: Vec<f64>,
     /// Values of fine lines between the labels.
     pub fine: Vec<f64>,
-    /// The scale is logarithmic, else linear.
+    /// True for a logarithmic scale, false for a linear one.
     pub logarithmic: bool,
 }
 
@@ -22,7 +22,7 @@ impl Ranged for Axis {
 
     fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
         let scaled = |v: f64| if self.logarithmic { v.log10() } else { v };
-        // Halves: the difference of two numbers may be too large for one.
+        // Halves, since the difference of two numbers may overflow.
         let (from, to, value) = (scaled(self.from) / 2.0, scaled(self.to) / 2.0, scaled(*value) / 2.0);
         let share = (value - from) / (to - from);
         limit.0 + (share * f64::from(limit.1 - limit.0)).round() as i32
@@ -44,19 +44,20 @@ impl Axis {
     }
 }
 
-/// Larger values, and those below its inverse, are drawn at this limit, which leaves room to the ends of double precision.
+/// Limit of drawn values, and inverse of the lower limit. It leaves room to the ends of double
+/// precision.
 const HUGE: f64 = 1e250;
 
 /// Decades with fine lines between them.
 const FEW_DECADES: i32 = 6;
 /// Decades with a fine line each.
 const MANY_DECADES: i32 = 40;
-/// Most labels of an axis.
-const MOST_LABELS: i32 = 8;
+/// Largest number of labels of an axis.
+const MAX_LABELS: i32 = 8;
 
 /// A logarithmic axis around positive values; at least a decade.
 pub(super) fn logarithmic(values: impl Iterator<Item = f64>) -> Axis {
-    let logs = values.map(|v| within(v).log10());
+    let logs = values.map(|v| clamped(v).log10());
     let (low, high) = logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     let (low, high) = if low <= high { (low, high) } else { (-1.0, 0.0) };
     let room = (0.06 * (high - low)).max(0.5 * (1.0 - (high - low))).max(0.08);
@@ -67,7 +68,7 @@ pub(super) fn logarithmic(values: impl Iterator<Item = f64>) -> Axis {
         let all = (first - 1..=last).flat_map(|d| of.iter().map(move |m| m * power(d)));
         all.filter(|v| (low..=high).contains(&v.log10())).collect()
     };
-    let stride = (last - first) / MOST_LABELS + 1;
+    let stride = (last - first) / MAX_LABELS + 1;
     let (ticks, fine) = match decades.len() {
         // Fewer than two labels at powers of ten.
         0..=2 => (mantissas(&[1.0, 2.0, 5.0]), mantissas(&[3.0, 4.0, 6.0, 7.0, 8.0, 9.0])),
@@ -85,11 +86,11 @@ pub(super) fn logarithmic(values: impl Iterator<Item = f64>) -> Axis {
 }
 
 /// A size that a logarithmic axis can show.
-pub(super) fn within(size: f64) -> f64 {
+pub(super) fn clamped(size: f64) -> f64 {
     size.clamp(HUGE.recip(), HUGE)
 }
 
-/// `10^n`, rounded as it is written.
+/// `10^n`, correctly rounded.
 fn power(n: i32) -> f64 {
     format!("1e{n}").parse().unwrap_or(f64::NAN)
 }
@@ -116,17 +117,17 @@ fn superscript(c: char) -> char {
     }
 }
 
-/// A linear axis around values, about `wanted` labels; no narrower than `least`.
-pub(super) fn linear(values: impl Iterator<Item = f64>, wanted: u32, least: f64) -> Axis {
+/// A linear axis around values, with about `labels` labels; no narrower than `least`.
+pub(super) fn linear(values: impl Iterator<Item = f64>, labels: u32, least: f64) -> Axis {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
-    // Half of each: the difference of two numbers may be too large for one.
+    // Halves, since the difference of two numbers may overflow.
     let middle = low / 2.0 + high / 2.0;
     let half = (high / 2.0 - low / 2.0).max(least / 2.0).max(middle.abs() * 1e-9).max(f64::MIN_POSITIVE);
     let (from, to) = (middle - 1.06 * half, middle + 1.06 * half);
-    let step = step(2.0 * (half / f64::from(wanted)));
+    let step = step(2.0 * (half / f64::from(labels)));
     let first = (from / step).ceil();
-    let ticks = (0..4 * wanted).map(|i| (first + f64::from(i)) * step).take_while(|v| *v <= to).collect();
+    let ticks = (0..4 * labels).map(|i| (first + f64::from(i)) * step).take_while(|v| *v <= to).collect();
     Axis { from, to, ticks, fine: Vec::new(), logarithmic: false }
 }
 
@@ -158,7 +159,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn decades_are_labelled_and_hold_all_values() {
+    fn decades_are_labelled_and_contain_all_values() {
         let axis = logarithmic([3e-9, 2e-4].into_iter());
         assert!(axis.from < 3e-9 && axis.to > 2e-4);
         assert_eq!(axis.ticks, [1e-8, 1e-7, 1e-6, 1e-5, 1e-4]);

@@ -1,7 +1,9 @@
-//! A picture: the drawing of plotters, overlaid with elements that its SVG lacks: marks with titles.
+//! A picture: the drawing of plotters, overlaid with elements that its SVG lacks: marks with
+//! titles.
 //!
-//! Pictures are drawn in quarters of pixels, since plotters rounds to whole units. Colours are those of a light page, see
-//! [`crate::report::palette`]; the page's style sheet replaces them on a dark one.
+//! Pictures are drawn in quarters of pixels, since plotters rounds to whole units. Colours are
+//! those of a light page, see [`crate::report::palette`]; the page's style sheet replaces them on a
+//! dark one.
 
 use crate::files::RecordError;
 use crate::report::palette::{self, Colour};

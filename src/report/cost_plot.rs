@@ -10,7 +10,7 @@ use crate::results::pareto::{Curve, Group, Work, front_as_shown};
 use plotters::prelude::{ChartBuilder, LineSeries};
 use plotters::style::Color;
 
-/// Pixels.
+/// Width and height, pixels.
 const SIZE: (u32, u32) = (560, 380);
 
 /// Styles of the curves of a group, by their names.
@@ -18,7 +18,7 @@ pub(super) struct CurveStyles {
     names: Vec<(String, String)>,
 }
 
-/// How a curve styles.
+/// Style of a curve.
 #[derive(Clone, Copy)]
 pub(super) struct CurveStyle {
     pub colour: Colour,
@@ -98,9 +98,9 @@ fn draw(
 ) -> Result<(), DrawError> {
     let text_of = |e: &dyn std::fmt::Display| e.to_string();
     let nonzero = || spots.iter().map(|s| s.error).filter(|e| *e > 0.0);
-    // All errors are 0: any decade will do.
+    // If all errors are 0, any decade serves.
     let least = nonzero().fold(f64::INFINITY, f64::min);
-    let least = axis::within(if least.is_finite() { least } else { 1e-15 });
+    let least = axis::clamped(if least.is_finite() { least } else { 1e-15 });
     // Errors of 0 are drawn a whole decade below the least.
     let floor = 10f64.powf((least.log10() - 1.0).floor());
     let zeros = spots.iter().any(|s| s.error == 0.0);
@@ -134,8 +134,8 @@ fn draw(
         .draw()
         .map_err(|e| text_of(&e))?;
     let point = |s: &Spot| {
-        let error = if s.error > 0.0 { axis::within(s.error) } else { floor };
-        (axis::within(s.cost), error)
+        let error = if s.error > 0.0 { axis::clamped(s.error) } else { floor };
+        (axis::clamped(s.cost), error)
     };
     let find = |row: &usize| spots.iter().find(|s| s.row == *row);
     for curve in &group.curves {

@@ -2,18 +2,19 @@
 
 use crate::files::RecordError;
 use crate::report::cost_plot::{CurveStyles, work_precision};
-use crate::report::labels::{method_and_parameters, plural};
+use crate::report::labels::method_and_parameters;
 use crate::results::pareto::{Group, Work, error_columns, groups};
+use crate::text::plural::plural;
 use serde::Serialize;
 
-/// Greatest number of pictures.
-const MOST_PICTURES: usize = 24;
+/// Largest number of pictures.
+const MAX_PICTURES: usize = 24;
 /// Approximate limit of marks in all pictures, at 300 bytes each.
-const MOST_MARKS: usize = 10_000;
-/// Entries of a legend.
-const MOST_CURVES: usize = 40;
+const MAX_MARKS: usize = 10_000;
+/// Largest number of entries of a legend.
+const MAX_CURVES: usize = 40;
 /// Number of omitted runs named for one reason.
-const MOST_NAMED: usize = 5;
+const MAX_NAMED: usize = 5;
 
 /// The section.
 #[derive(Debug, Default, Serialize)]
@@ -38,25 +39,24 @@ pub(super) struct Pictures {
 
 pub(super) fn sections(works: &[Work]) -> Result<Section, RecordError> {
     let mut section = Section::default();
-    let (mut pictures, mut marks, mut left) = (0, 0, 0);
+    let (mut pictures, mut marks, mut omitted) = (0, 0, 0);
     for group in groups(works) {
         let members: Vec<Work> = group.rows().map(|i| works[i].clone()).collect();
         let columns = error_columns(&members);
         if columns.is_empty() {
             continue;
         }
-        let full = pictures > 0 && (pictures + columns.len() > MOST_PICTURES || marks > MOST_MARKS);
-        if full {
-            left += 1;
+        if pictures > 0 && (pictures + columns.len() > MAX_PICTURES || marks > MAX_MARKS) {
+            omitted += 1;
             continue;
         }
         pictures += columns.len();
         marks += columns.len() * members.len();
         section.groups.push(draw(works, &group, &columns)?);
     }
-    if left > 0 {
+    if omitted > 0 {
         section.more =
-            format!("{} more without pictures here; their errors are in the table of runs", plural(left, "group"));
+            format!("{} more without pictures here; their errors are in the table of runs", plural(omitted, "group"));
     }
     Ok(section)
 }
@@ -70,8 +70,8 @@ fn draw(works: &[Work], group: &Group, columns: &[String]) -> Result<Pictures, R
         }
     }
     let mut legend = styles.legend();
-    let more_curves = legend.len().saturating_sub(MOST_CURVES);
-    legend.truncate(MOST_CURVES);
+    let more_curves = legend.len().saturating_sub(MAX_CURVES);
+    legend.truncate(MAX_CURVES);
     let left_out = left_out(works, group, columns);
     Ok(Pictures { name: group.name(), legend, more_curves, pictures, left_out })
 }
@@ -91,9 +91,9 @@ fn left_out(works: &[Work], group: &Group, columns: &[String]) -> Vec<String> {
     }
     let line = |(reason, rows): (String, Vec<usize>)| {
         let mut names: Vec<String> =
-            rows.iter().take(MOST_NAMED).map(|&i| method_and_parameters(works[i].row)).collect();
-        if rows.len() > MOST_NAMED {
-            names.push(format!("and {} more", rows.len() - MOST_NAMED));
+            rows.iter().take(MAX_NAMED).map(|&i| method_and_parameters(works[i].row)).collect();
+        if rows.len() > MAX_NAMED {
+            names.push(format!("and {} more", rows.len() - MAX_NAMED));
         }
         format!("{reason} ({}): {}", plural(rows.len(), "run"), names.join("; "))
     };

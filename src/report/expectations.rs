@@ -1,28 +1,29 @@
 //! The table of expectations and their results.
 
 use crate::report::ReportRun;
-use crate::report::labels::{parameters, plural, short};
-use crate::report::table::{Cell, Head, MOST_ROWS, Part, Table};
+use crate::report::labels::{parameters, short};
+use crate::report::table::{Cell, Head, MAX_ROWS, Part, Table};
 use crate::results::Verdict;
+use crate::text::plural::plural;
 
 /// Expectations that failed and those with a value; limits that held are counted in the head.
 pub(super) fn expectations(runs: &[ReportRun]) -> Table {
     let all: Vec<(&ReportRun, &Verdict)> =
         runs.iter().flat_map(|run| run.row.verdicts.iter().map(move |v| (run, v))).collect();
-    let mut shown: Vec<_> = all.iter().filter(|(_, v)| !v.held || v.truth.is_some()).collect();
+    let mut listed: Vec<_> = all.iter().filter(|(_, v)| !v.held || v.truth.is_some()).collect();
     // Failed expectations take precedence where not all fit; all stay in order.
-    if shown.len() > MOST_ROWS {
-        shown.sort_by_key(|(_, v)| v.held);
-        shown.truncate(MOST_ROWS);
+    if listed.len() > MAX_ROWS {
+        listed.sort_by_key(|(_, v)| v.held);
+        listed.truncate(MAX_ROWS);
     }
-    let hidden = all.len() - shown.len();
+    let hidden = all.len() - listed.len();
     let heads = [
         Head::text("scenario"),
         Head::text("parameters"),
         Head::text("method"),
         Head::text("metric"),
         Head::number("measured", ""),
-        Head::number("wanted", ""),
+        Head::number("expected", ""),
         Head::number("error", ""),
         Head::number("relative", ""),
         Head::number("allowed", ""),
@@ -30,14 +31,14 @@ pub(super) fn expectations(runs: &[ReportRun]) -> Table {
         Head::text("message"),
     ];
     Table {
-        head: if shown.is_empty() { Vec::new() } else { heads.into() },
-        parts: vec![Part { title: String::new(), rows: shown.into_iter().map(|(run, v)| row(run, v)).collect() }],
+        head: if listed.is_empty() { Vec::new() } else { heads.into() },
+        parts: vec![Part { title: String::new(), rows: listed.into_iter().map(|(run, v)| row(run, v)).collect() }],
         more: if hidden == 0 { String::new() } else { format!("{} not shown that held", plural(hidden, "more")) },
     }
 }
 
 fn row(run: &ReportRun, v: &Verdict) -> Vec<Cell> {
-    let wanted = match (v.truth, v.min, v.max) {
+    let expected = match (v.truth, v.min, v.max) {
         (Some(truth), ..) => format!("{truth:?}"),
         (None, Some(min), Some(max)) => format!("{}..{}", short(min), short(max)),
         (None, Some(min), None) => format!("≥ {}", short(min)),
@@ -48,11 +49,11 @@ fn row(run: &ReportRun, v: &Verdict) -> Vec<Cell> {
     vec![
         Cell::text(run.row.scenario.clone()),
         Cell::text(parameters(run.row).join(" ")),
-        Cell::word(&run.row.method),
+        Cell::unbroken(&run.row.method),
         Cell::text(v.metric.clone()),
         // All digits, for comparison with the expected value.
         Cell { text: v.measured.map_or_else(|| "–".to_owned(), |x| format!("{x:?}")), class: "n" },
-        Cell { text: wanted, class: "n" },
+        Cell { text: expected, class: "n" },
         Cell::number(v.error),
         Cell::number(relative),
         Cell::number(v.allowed),

@@ -1,10 +1,10 @@
 //! The head of the page: runs, outcomes, programs, machines and dates.
 
-use crate::report::labels::plural;
 use crate::report::table::{Cell, Head, Part, Table};
 use crate::report::utc_date::utc;
 use crate::results::RunStatistics;
 use crate::sim::Outcome;
+use crate::text::plural::plural;
 use serde::Serialize;
 
 /// The head of the page.
@@ -12,13 +12,13 @@ use serde::Serialize;
 pub(super) struct Overview {
     /// `12 runs of 2 scenarios`
     pub runs: String,
-    /// How many ended in each way.
+    /// Number of runs by outcome.
     pub outcomes: Vec<Count>,
     /// `30 of 31 expectations held`; empty when nothing was expected.
     pub expectations: String,
     pub programs: Vec<String>,
     pub machines: Vec<String>,
-    /// When the records were written.
+    /// Dates on which the records were written.
     pub dates: String,
     /// One row per scenario.
     pub scenarios: Table,
@@ -55,7 +55,7 @@ fn expectations(held: usize, all: usize) -> String {
     if all == 0 { String::new() } else { format!("{held} of {all} expectations held") }
 }
 
-/// When the records were written, from the first to the last.
+/// Dates on which the first and the last record were written.
 fn dates(statistics: &RunStatistics) -> String {
     let (first, last) = statistics.recorded().unzip();
     match (first.and_then(utc), last.and_then(utc)) {

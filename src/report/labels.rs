@@ -1,6 +1,6 @@
-//! Labels of the page: short numbers, names of runs, plurals.
+//! Labels of the page: short numbers and names of runs.
 
-use crate::results::{ParamValue, SummaryRow, is_truth};
+use crate::results::{SummaryRow, is_truth};
 
 /// A number to three digits, with an exponent where that is shorter. The summary has all digits.
 pub(super) fn short(x: f64) -> String {
@@ -21,14 +21,7 @@ pub(super) fn short(x: f64) -> String {
 pub(super) fn parameters(row: &SummaryRow) -> Vec<String> {
     let own = |name: &str| ["contact.method", "integrator.method"].contains(&name) || is_truth(name);
     let named = row.parameters.iter().filter(|(name, _)| !own(name));
-    named.map(|(name, value)| format!("{name}={}", brief(value))).collect()
-}
-
-/// The name of a file without its folders; other values unchanged.
-fn brief(value: &ParamValue) -> String {
-    let text = value.to_string();
-    let is_file = [".toml", ".urdf"].iter().any(|end| text.ends_with(end));
-    text.rsplit('/').next().filter(|_| is_file).map_or(text.clone(), str::to_owned)
+    named.map(|(name, value)| format!("{name}={}", value.brief())).collect()
 }
 
 /// Scenario, method, integrator and swept values of a run.
@@ -39,11 +32,6 @@ pub(super) fn name(row: &SummaryRow) -> String {
 /// Method, integrator and swept values of a run.
 pub(super) fn method_and_parameters(row: &SummaryRow) -> String {
     [row.method.clone(), row.integrator.clone()].into_iter().chain(parameters(row)).collect::<Vec<_>>().join(" ")
-}
-
-/// Such as `1 run`, `2 runs`.
-pub(super) fn plural(n: usize, word: &str) -> String {
-    if n == 1 { format!("1 {word}") } else { format!("{n} {word}s") }
 }
 
 #[cfg(test)]

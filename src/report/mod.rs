@@ -2,17 +2,18 @@
 //!
 //! | section | file |
 //! |---|---|
-//! | what was run, where and when | `head` |
+//! | runs, machines and dates | `head` |
 //! | error over cost | `cost_section`, drawn by `cost_plot` |
 //! | residuals | `residuals` |
 //! | runs over time, from their logs | `pictures`, drawn by `run_plot` |
 //! | expectations | `expectations` |
 //! | all runs, notes, files | `runs` |
 //!
-//! Names, messages and paths are untrusted text: the templates escape all of it. The size of the page is bounded for any
-//! number of runs, and the page states what it omits.
+//! Names, messages and paths are untrusted text: the templates escape all of it. The size of the
+//! page is bounded for any number of runs, and the page states what it omits.
 //!
-//! Imports `results`, `log`, `metrics` and `files`. `batch` and `cli` call it.
+//! Imports: `text`, `files`, `metrics`, `contact`, `sim`, `log`, `results`. Used by: `batch`,
+//! `cli`.
 
 mod axis;
 mod canvas;
@@ -83,8 +84,8 @@ pub enum Pictured {
     Keys(Vec<String>),
 }
 
-/// Writes the report on runs, in the given order, and on their reference runs. Paths on the page are relative to `results`, the
-/// folder of the records. The page names logs that cannot be read.
+/// Writes the report on runs, in the given order, and on their reference runs. Paths on the page
+/// are relative to `results`, the folder of the records. The page names logs that cannot be read.
 ///
 /// # Errors
 /// The file cannot be written, or a picture cannot be drawn.
@@ -118,7 +119,7 @@ pub fn write_report_of(
     if path.parent() == Some(results) {
         atomic::write(path, fill)
     } else {
-        atomic::write_named(path, atomic::Made::Page, fill)
+        atomic::write_named(path, atomic::OutputKind::Page, fill)
     }
 }
 
@@ -190,14 +191,14 @@ fn left_out(runs: usize) -> String {
     }
 }
 
-/// The templates, by names that say that they are to be escaped.
+/// Templates by name; the extension `html` enables escaping.
 const TEMPLATES: [(&str, &str); 2] =
-    [("report.html", include_str!("report.html")), ("table.html", include_str!("table.html"))];
+    [("report.html", include_str!("page/report.html")), ("table.html", include_str!("page/table.html"))];
 
 fn environment() -> Result<Environment<'static>, minijinja::Error> {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
-    // Lines that hold nothing but a block leave nothing behind.
+    // Lines with nothing but a block leave no empty line.
     environment.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
     for (name, source) in TEMPLATES {
         environment.add_template(name, source)?;
@@ -210,7 +211,7 @@ fn environment() -> Result<Environment<'static>, minijinja::Error> {
 }
 
 fn render(page: &Page) -> Result<String, minijinja::Error> {
-    let style = Value::from_safe_string(include_str!("style.css").to_owned());
+    let style = Value::from_safe_string(include_str!("page/style.css").to_owned());
     environment()?.get_template("report.html")?.render(context! { style, ..Value::from(Serde(page)) })
 }
 
@@ -219,8 +220,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_style_sheet_knows_every_colour() {
-        let style = include_str!("style.css");
+    fn the_style_sheet_has_every_colour() {
+        let style = include_str!("page/style.css");
         for colour in palette::ALL.into_iter().flatten() {
             for attribute in ["fill", "stroke"] {
                 assert!(style.contains(&format!("[{attribute}=\"{colour}\"]")), "{attribute} {colour}");

@@ -3,7 +3,8 @@
 use crate::contact::methods::registry::MethodDescriptor;
 use plotters::style::RGBColor;
 
-/// A colour as SVG writes it. The style sheet matches this text and replaces the colour on dark pages.
+/// A colour as SVG writes it. The style sheet matches this text and replaces the colour on dark
+/// pages.
 pub(super) type Colour = &'static str;
 
 /// Background.

@@ -3,17 +3,19 @@
 use crate::files::RecordError;
 use crate::files::names;
 use crate::log::Trajectory;
-use crate::report::labels::{name, plural};
+use crate::report::labels::name;
 use crate::report::run_history::History;
 use crate::report::run_plot::{legend, run_over_time};
 use crate::report::{Pictured, ReportRun};
+use crate::text::plural::plural;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Number of runs drawn by default: failed ones first, then others.
 const FEW: usize = 6;
-const MOST_REFUSED: usize = 8;
+/// Largest number of failed runs drawn by default.
+const MAX_REFUSED: usize = 8;
 /// Longer logs are read on request only, bytes.
 const LONG: u64 = 32 << 20;
 
@@ -54,7 +56,7 @@ fn choose<'a>(runs: &'a [ReportRun<'a>], pictured: &Pictured) -> (Vec<(&'a Repor
     let is_short = |log: &Path| log.metadata().is_ok_and(|m| m.len() <= LONG);
     let (refused, good): (Vec<usize>, Vec<usize>) =
         (0..logged.len()).filter(|&i| is_short(logged[i].1)).partition(|&i| logged[i].0.is_refused());
-    let mut chosen: Vec<usize> = refused.into_iter().take(MOST_REFUSED).collect();
+    let mut chosen: Vec<usize> = refused.into_iter().take(MAX_REFUSED).collect();
     // One run of each scenario first.
     let mut scenarios = BTreeSet::new();
     let (first, further): (Vec<usize>, Vec<usize>) =
@@ -64,7 +66,9 @@ fn choose<'a>(runs: &'a [ReportRun<'a>], pictured: &Pictured) -> (Vec<(&'a Repor
     chosen.sort_unstable();
     let more = match logged.len() - chosen.len() {
         0 => String::new(),
-        left => format!("{} more with logs; `runner report RESULTS --runs KEY...` shows them", plural(left, "run")),
+        omitted => {
+            format!("{} more with logs; `runner report RESULTS --runs KEY...` shows them", plural(omitted, "run"))
+        }
     };
     (chosen.into_iter().map(|i| logged[i]).collect(), more)
 }
@@ -93,7 +97,7 @@ fn picture(run: &ReportRun, log: &Path) -> Result<Picture, RecordError> {
             picture.note =
                 [picture.note, extremes(&history)].into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join("; ");
         }
-        _ => picture.note = "its log has neither the topic `state` nor `contact`, or no instants".into(),
+        _ => picture.note = "its log has no instants, or neither of the topics `state` and `contact`".into(),
     }
     Ok(picture)
 }

@@ -1,4 +1,5 @@
-//! The table of residuals of contact laws and energy balance, with the greatest of each scenario marked.
+//! The table of residuals of contact laws and energy balance, with the greatest of each scenario
+//! marked.
 
 use crate::report::ReportRun;
 use crate::report::labels::parameters;
@@ -24,15 +25,16 @@ const COLUMNS: [&str; 14] = [
 ];
 
 pub(super) fn residuals(runs: &[ReportRun]) -> Table {
-    let (shown, more) = bounded(runs);
+    let (listed, more) = bounded(runs);
     let head = ["parameters", "method", "integrator"].map(Head::text).into_iter();
     let mut table =
         Table { head: head.chain(COLUMNS.iter().map(|c| Head::column(c))).collect(), parts: Vec::new(), more };
-    for part in shown.chunk_by(|&a, &b| runs[a].row.scenario == runs[b].row.scenario) {
+    for part in listed.chunk_by(|&a, &b| runs[a].row.scenario == runs[b].row.scenario) {
         let worst = COLUMNS.map(|column| worst(part.iter().filter_map(|&i| metric(runs[i].row, column))));
         let row = |&i: &usize| {
             let row = runs[i].row;
-            let texts = [Cell::text(parameters(row).join(" ")), Cell::word(&row.method), Cell::word(&row.integrator)];
+            let texts =
+                [Cell::text(parameters(row).join(" ")), Cell::unbroken(&row.method), Cell::unbroken(&row.integrator)];
             let number = |(column, worst): (&&str, &Option<f64>)| cell(metric(row, column), *worst);
             texts.into_iter().chain(COLUMNS.iter().zip(&worst).map(number)).collect()
         };

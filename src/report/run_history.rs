@@ -1,4 +1,5 @@
-//! Time series of a run for its picture, from its log: height of the base, normal force and state of each sole.
+//! Time series of a run for its picture, from its log: height of the base, normal force and state
+//! of each sole.
 
 use crate::log::Trajectory;
 use nalgebra::{Rotation3, Vector3};
@@ -22,7 +23,8 @@ pub(super) struct SoleHistory {
     /// Sum of the vertices' forces along the floor's normal, N, over time, s.
     pub normal: Vec<(f64, f64)>,
     pub stays: Vec<Stay>,
-    /// Changes of state between logged instants; may exceed the number of stays, since short ones are merged.
+    /// Changes of state between logged instants; may exceed the number of stays, since short ones
+    /// are merged.
     pub changes: usize,
 }
 

@@ -1,4 +1,5 @@
-//! Draws a run over time: height of the base, normal force of each sole, and a bar per sole with its contact states.
+//! Draws a run over time: height of the base, normal force of each sole, and a bar per sole with
+//! its contact states.
 
 use crate::files::RecordError;
 use crate::report::axis::{Axis, linear};
@@ -8,7 +9,7 @@ use crate::report::run_history::{History, SoleHistory, Stay};
 use plotters::prelude::{ChartBuilder, LineSeries};
 use plotters::style::Color;
 
-/// Pixels.
+/// Sizes of the picture and its parts, pixels.
 const WIDTH: u32 = 720;
 const CURVES: u32 = 134;
 const TIME: u32 = 36;
@@ -16,7 +17,7 @@ const STATES: u32 = 26;
 const LEFT: u32 = 76;
 
 /// Greatest number of soles drawn.
-const MOST_SOLES: usize = 12;
+const MAX_SOLES: usize = 12;
 
 /// Draws a run.
 ///
@@ -30,7 +31,7 @@ pub(super) fn run_over_time(name: &str, history: &History) -> Result<String, Rec
 
 /// Colour and name of each sole's force.
 pub(super) fn legend(history: &History) -> Vec<(String, String)> {
-    let soles = history.soles.iter().take(MOST_SOLES).enumerate();
+    let soles = history.soles.iter().take(MAX_SOLES).enumerate();
     soles.map(|(i, sole)| (sole.name.clone(), swatch(None, palette::curve(i)))).collect()
 }
 
@@ -53,7 +54,7 @@ fn parts(history: &History) -> Vec<Part> {
         let curve = vec![(palette::INK, history.height.clone())];
         parts.push(Part { height: CURVES, title: "base height, m", curves: Some(curve), least: 1e-3 });
     }
-    let soles: Vec<&SoleHistory> = history.soles.iter().take(MOST_SOLES).collect();
+    let soles: Vec<&SoleHistory> = history.soles.iter().take(MAX_SOLES).collect();
     if !soles.is_empty() {
         let curves = soles.iter().enumerate().map(|(i, s)| (palette::curve(i), s.normal.clone())).collect();
         parts.push(Part { height: CURVES, title: "normal force, N", curves: Some(curves), least: 1e-3 });
@@ -111,7 +112,7 @@ fn draw(history: &History, parts: &[Part], area: &Area, overlay: &mut Overlay) -
             chart.draw_series(line).map_err(|e| text_of(&e))?;
         }
         if part.curves.is_none() {
-            let soles: Vec<&SoleHistory> = history.soles.iter().take(MOST_SOLES).collect();
+            let soles: Vec<&SoleHistory> = history.soles.iter().take(MAX_SOLES).collect();
             for (i, sole) in soles.iter().enumerate() {
                 let rows = soles.len() as f64;
                 let (top, bottom) = (1.0 - i as f64 / rows, 1.0 - (i + 1) as f64 / rows);
@@ -147,6 +148,10 @@ fn band(overlay: &mut Overlay, sole: &str, stay: &Stay, at: &impl Fn(f64, f64) -
 
 /// A name shortened to the margin of the picture.
 fn brief(name: &str) -> String {
-    const MOST: usize = 11;
-    if name.chars().count() <= MOST { name.to_owned() } else { name.chars().take(MOST - 1).chain(['…']).collect() }
+    const LENGTH: usize = 11;
+    if name.chars().count() <= LENGTH {
+        name.to_owned()
+    } else {
+        name.chars().take(LENGTH - 1).chain(['…']).collect()
+    }
 }

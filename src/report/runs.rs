@@ -8,10 +8,10 @@ use crate::sim::Outcome;
 use std::path::Path;
 
 /// Greatest number of files listed.
-const MOST_FILES: usize = 2000;
+const MAX_FILES: usize = 2000;
 
 pub(super) fn runs(runs: &[ReportRun], works: &[Work]) -> Table {
-    let (shown, more) = bounded(runs);
+    let (listed, more) = bounded(runs);
     let errors = error_columns(works);
     let repeated = runs.windows(2).any(|pair| pair[0].row.seed != pair[1].row.seed);
     let mut head: Vec<Head> = ["parameters", "method", "integrator"].map(Head::text).into();
@@ -33,7 +33,7 @@ pub(super) fn runs(runs: &[ReportRun], works: &[Work]) -> Table {
     let row = |&i: &usize| {
         let (row, work) = (runs[i].row, &works[i]);
         let mut cells =
-            vec![Cell::text(parameters(row).join(" ")), Cell::word(&row.method), Cell::word(&row.integrator)];
+            vec![Cell::text(parameters(row).join(" ")), Cell::unbroken(&row.method), Cell::unbroken(&row.integrator)];
         if repeated {
             cells.push(Cell::count(row.seed));
         }
@@ -51,7 +51,7 @@ pub(super) fn runs(runs: &[ReportRun], works: &[Work]) -> Table {
         cells.extend([Cell { text: row.key.clone(), class: "key" }, Cell::text(row.message.clone())]);
         cells
     };
-    let parts = shown.chunk_by(|&a, &b| runs[a].row.scenario == runs[b].row.scenario);
+    let parts = listed.chunk_by(|&a, &b| runs[a].row.scenario == runs[b].row.scenario);
     let parts =
         parts.map(|part| Part { title: runs[part[0]].row.scenario.clone(), rows: part.iter().map(row).collect() });
     Table { head, parts: parts.collect(), more }
@@ -62,7 +62,7 @@ pub(super) fn references(runs: &[ReportRun]) -> Table {
     if runs.is_empty() {
         return Table::default();
     }
-    let (shown, more) = bounded(runs);
+    let (listed, more) = bounded(runs);
     let heads = [
         Head::text("scenario"),
         Head::text("method"),
@@ -79,8 +79,8 @@ pub(super) fn references(runs: &[ReportRun]) -> Table {
         let row = runs[i].row;
         vec![
             Cell::text(row.scenario.clone()),
-            Cell::word(&row.method),
-            Cell::word(&row.integrator),
+            Cell::unbroken(&row.method),
+            Cell::unbroken(&row.integrator),
             outcome(&runs[i]),
             Cell::number(Some(row.metrics.duration_s)),
             Cell::number(Some(row.wall_s)),
@@ -90,7 +90,7 @@ pub(super) fn references(runs: &[ReportRun]) -> Table {
             Cell::text(row.message.clone()),
         ]
     };
-    let rows = shown.iter().map(row).collect();
+    let rows = listed.iter().map(row).collect();
     Table { head: heads.into(), parts: vec![Part { title: String::new(), rows }], more }
 }
 
@@ -115,16 +115,17 @@ pub(super) fn notes(runs: &[ReportRun]) -> Vec<String> {
         let name = format!("{} {}", run.row.scenario, run.row.key);
         run.notes.iter().map(move |note| format!("{name}: {note}")).collect::<Vec<_>>()
     };
-    runs.iter().flat_map(notes).take(MOST_FILES).collect()
+    runs.iter().flat_map(notes).take(MAX_FILES).collect()
 }
 
-/// Files of the batch and of its runs, relative to the folder of results; and the number of those omitted.
+/// Files of the batch and of its runs, relative to the folder of results; and the number of those
+/// omitted.
 pub(super) fn files(results: &Path, runs: &[ReportRun], references: &[ReportRun]) -> (Vec<String>, usize) {
     let batch = crate::files::names::SUMMARIES.map(|name| results.join(name));
     let batch = batch.into_iter().filter(|path| path.is_file());
     let own = runs.iter().chain(references).flat_map(|run| run.files.iter().cloned());
     let relative = |path: &Path| path.strip_prefix(results).unwrap_or(path).display().to_string();
     let all: Vec<String> = batch.chain(own).map(|path| relative(&path)).collect();
-    let more = all.len().saturating_sub(MOST_FILES);
-    (all.into_iter().take(MOST_FILES).collect(), more)
+    let more = all.len().saturating_sub(MAX_FILES);
+    (all.into_iter().take(MAX_FILES).collect(), more)
 }

@@ -6,7 +6,7 @@ use crate::report::labels::short;
 use serde::Serialize;
 
 /// Greatest number of rows of a table.
-pub(super) const MOST_ROWS: usize = 1000;
+pub(super) const MAX_ROWS: usize = 1000;
 
 /// A table in parts, each with a heading.
 #[derive(Debug, Default, Serialize)]
@@ -23,7 +23,7 @@ pub(super) struct Head {
     /// Its name, in pieces between which a line may break.
     pub pieces: Vec<String>,
     pub unit: &'static str,
-    /// Right-aligned.
+    /// True for a right-aligned column.
     pub number: bool,
 }
 
@@ -56,14 +56,14 @@ impl Head {
 
     /// A column of the summary. Its unit is added where the name lacks it.
     pub fn column(name: &str) -> Self {
-        let says_unit = names_unit(name);
+        let has_unit = names_unit(name);
         // No line break before a unit.
         let mut pieces: Vec<String> = name.split_inclusive('_').map(str::to_owned).collect();
-        if says_unit && pieces.len() > 1 {
+        if has_unit && pieces.len() > 1 {
             let end = pieces.pop().unwrap_or_default();
             pieces.iter_mut().next_back().into_iter().for_each(|last| last.push_str(&end));
         }
-        Self { pieces, unit: if says_unit { "" } else { unit(name) }, number: true }
+        Self { pieces, unit: if has_unit { "" } else { unit(name) }, number: true }
     }
 }
 
@@ -73,8 +73,8 @@ impl Cell {
     }
 
     /// Text without line breaks.
-    pub fn word(word: &str) -> Self {
-        Self { text: word.to_owned(), class: "word" }
+    pub fn unbroken(text: &str) -> Self {
+        Self { text: text.to_owned(), class: "word" }
     }
 
     /// A number to three digits; none is a dash.
@@ -88,17 +88,19 @@ impl Cell {
     }
 }
 
-/// Positions of the runs of a table, in order, and a note on the omitted ones. Failed runs take precedence where not all
-/// fit.
+/// Positions of the runs of a table, in order, and a note on the omitted ones. Failed runs take
+/// precedence where not all fit.
 pub(super) fn bounded(runs: &[ReportRun]) -> (Vec<usize>, String) {
     let mut order: Vec<usize> = (0..runs.len()).collect();
     // A stable sort keeps both kinds in order.
     order.sort_by_key(|&i| !runs[i].is_refused());
-    order.truncate(MOST_ROWS);
+    order.truncate(MAX_ROWS);
     order.sort_unstable();
     let more = match runs.len() - order.len() {
         0 => String::new(),
-        left => format!("{left} more runs are in summary.csv; this table has the failed ones and the first others"),
+        omitted => {
+            format!("{omitted} more runs are in summary.csv; this table has the failed ones and the first others")
+        }
     };
     (order, more)
 }

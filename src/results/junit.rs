@@ -72,7 +72,9 @@ pub fn write_junit(path: &Path, cases: &[JunitCase], time: Duration) -> Result<(
     let mut report = Report::new(env!("CARGO_PKG_NAME"));
     report.set_time(time).add_test_suites(suites.into_iter().map(|(_, suite)| suite));
     let text = report.to_string().map_err(|source| RecordError::Junit { path: path.to_owned(), source })?;
-    atomic::write_named(path, atomic::Made::Junit, |out| out.write_all(text.as_bytes()).map_err(RecordError::io(path)))
+    atomic::write_named(path, atomic::OutputKind::Junit, |out| {
+        out.write_all(text.as_bytes()).map_err(RecordError::io(path))
+    })
 }
 
 fn test_case(case: &JunitCase) -> TestCase {

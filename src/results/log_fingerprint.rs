@@ -55,7 +55,7 @@ impl LogMismatch {
     /// The reason as text.
     pub fn reason(self) -> &'static str {
         match self {
-            Self::NotAFile => "its log is no file",
+            Self::NotAFile => "its log is not a file",
             Self::Missing => "its log is missing",
             Self::Shorter => "its log is shorter than the recorded one",
             Self::Different => "its log is not the recorded one",
@@ -64,8 +64,8 @@ impl LogMismatch {
     }
 }
 
-/// Compares the log next to a record with the record's fingerprint. Records of earlier versions have none; their log, if
-/// there is one, must be complete.
+/// Compares the log next to a record with the record's fingerprint. Records of earlier versions
+/// have none; their log, if there is one, must be complete.
 pub fn log_mismatch(record: &RunRecord, path: &Path) -> Option<LogMismatch> {
     let length = match path.metadata() {
         Ok(data) if !data.is_file() => return Some(LogMismatch::NotAFile),
@@ -87,11 +87,11 @@ pub fn log_mismatch(record: &RunRecord, path: &Path) -> Option<LogMismatch> {
 
 /// True if the file ends with the magic bytes of MCAP, as a complete log does.
 fn is_complete(path: &Path) -> bool {
-    let end = || {
+    let read_end = || {
         let (mut file, _) = input::open(path)?;
         let mut end = [0; mcap::MAGIC.len()];
         file.seek(SeekFrom::End(-(end.len() as i64)))?;
         file.read_exact(&mut end).map(|()| end)
     };
-    end().is_ok_and(|end: [u8; mcap::MAGIC.len()]| end == mcap::MAGIC)
+    read_end().is_ok_and(|end: [u8; mcap::MAGIC.len()]| end == mcap::MAGIC)
 }

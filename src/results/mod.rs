@@ -11,9 +11,12 @@
 //! | `pareto` | error over cost |
 //! | `table`, `verdict` | tables for the terminal |
 //!
-//! Imports `files`, `metrics`, `text`, `log`, and `sim` for outcomes; never `batch` or `report`, which call it, as do `replay`,
-//! `view` and `cli`. All files but `runs.jsonl` are written to a temporary file and renamed, so an existing file is whole.
-//! Simulated results depend on the run alone; wall-clock times have columns and an object of their own.
+//! All files but `runs.jsonl` are written to a temporary file and renamed, so an existing file is
+//! whole. Simulated results depend on the run alone; wall-clock times have columns and an object of
+//! their own.
+//!
+//! Imports: `text`, `files`, `metrics`, `contact`, `sim`. Used by: `report`, `batch`, `replay`,
+//! `view`, `submit`, `cli`.
 
 pub mod compare;
 mod discovery;
@@ -45,9 +48,9 @@ pub use runs_log::{LoggedRuns, RunsLog};
 pub use shard_list::{PlanHash, SHARD_LIST, SHARD_SCHEMA, ShardHead, ShardList, ShardRun};
 pub(crate) use summary::ScenarioStatistics;
 pub use summary::{
-    BoundedSample, Rows, RunStatistics, SAMPLE_SIZE, SummaryFiles, SummaryRow, measure, metric, summary_frame,
-    truth_columns, write_summary, write_summary_of,
+    BoundedSample, Rows, RunStatistics, SAMPLE_SIZE, SummaryFiles, SummaryRow, measure, metric, truth_columns,
+    write_summary, write_summary_of,
 };
 pub use table::{endings, table};
 pub use verdict::Verdict;
-pub use verdict_table::{Shown, verdicts};
+pub use verdict_table::{ListedVerdicts, verdicts};

@@ -4,23 +4,24 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use crate::results::RunStatistics;
-use crate::text::text_table::{Side, TextTable, significant};
+use crate::text::plural::plural;
+use crate::text::text_table::{Alignment, TextTable, significant};
 use crate::text::visible::visible;
 
-/// One line per scenario: runs, how they ended, expectations that held, simulated and processor time. A last line sums up. Scenarios with
-/// implausible runs are `marked`.
+/// One line per scenario: runs, how they ended, expectations that held, simulated and processor
+/// time. The last line gives the totals. Scenarios with implausible runs are `marked`.
 pub fn overview(statistics: &RunStatistics, marked: &BTreeSet<&str>, width: usize) -> String {
     let columns = [
-        ("scenario", Side::Left),
-        ("runs", Side::Right),
-        ("outcomes", Side::Left),
-        ("held", Side::Left),
-        ("sim s", Side::Right),
-        ("cpu s", Side::Right),
+        ("scenario", Alignment::Left),
+        ("runs", Alignment::Right),
+        ("outcomes", Alignment::Left),
+        ("held", Alignment::Left),
+        ("sim s", Alignment::Right),
+        ("cpu s", Alignment::Right),
     ];
     let mut table = TextTable::new(columns);
     for sums in statistics.scenarios() {
-        // At the front, where no width clips it.
+        // In front of the name, where clipping keeps it.
         let mark = if marked.contains(sums.scenario.as_str()) { "! " } else { "" };
         table.push(vec![
             format!("{mark}{}", visible(&sums.scenario)),
@@ -32,10 +33,9 @@ pub fn overview(statistics: &RunStatistics, marked: &BTreeSet<&str>, width: usiz
         ]);
     }
     let mut out = table.render(width);
-    let plural = if statistics.runs() == 1 { "run" } else { "runs" };
     let counted: Vec<String> = statistics.outcomes().iter().map(|(name, count)| format!("{count} {name}")).collect();
     // A String takes every write.
-    let _ = write!(out, "\n{} {plural}: {}", statistics.runs(), counted.join(", "));
+    let _ = write!(out, "\n{}: {}", plural(statistics.runs(), "run"), counted.join(", "));
     let (held, expected) = statistics.expectations();
     if expected > 0 {
         let _ = write!(out, "; {held} of {expected} expectations held");

@@ -6,7 +6,8 @@ use crate::sim::Sample;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use std::sync::Arc;
 
-/// The sampled trajectory of a reference run, in one array: `8 (8 + joints + 3 soles) + 4 soles` bytes each.
+/// The sampled trajectory of a reference run, in one array: `8 (8 + joints + 3 soles) + 4 soles`
+/// bytes each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReferenceMotion {
     rate: f64,
@@ -48,7 +49,8 @@ impl ReferenceMotion {
         8 + self.joints + 3 * self.soles
     }
 
-    /// Appends a sample, which must have the numbers of joints and soles given to [`new`](Self::new).
+    /// Appends a sample, which must have the numbers of joints and soles given to
+    /// [`new`](Self::new).
     pub fn push(&mut self, s: &Sample) {
         debug_assert_eq!((s.joints.len(), s.forces.len(), s.states.len()), (self.joints, self.soles, self.soles));
         self.values.push(s.time);
@@ -140,8 +142,9 @@ impl Comparator {
     }
 }
 
-/// Angle between two orientations, rad, with full precision for small angles. With unit quaternions half the angle t apart,
-/// `|q - p| = 2 sin(t / 4)` and `|q + p| = 2 cos(t / 4)`; q and -q are one orientation.
+/// Angle between two orientations, rad, with full precision for small angles. With unit quaternions
+/// half the angle t apart, `|q - p| = 2 sin(t / 4)` and `|q + p| = 2 cos(t / 4)`; q and -q are one
+/// orientation.
 fn angle(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> f64 {
     let (near, far) = ((a.coords - b.coords).norm(), (a.coords + b.coords).norm());
     4.0 * near.min(far).atan2(near.max(far))
@@ -189,7 +192,8 @@ mod tests {
         let mut comparator = Comparator::new(reference(4));
         for i in 0..4 {
             let mut s = sample(i);
-            // 0, 5, 10, 15 m; one joint of three off by 0.3; one sole of two off by 2 N in two instants.
+            // 0, 5, 10, 15 m; one joint of three off by 0.3; one sole of two off by 2 N in two
+            // instants.
             s.position += Vector3::new(3.0, 0.0, 4.0) * i as f64;
             s.joints[1] += 0.3;
             s.forces[1].y = if i % 2 == 0 { 2.0 } else { 0.0 };

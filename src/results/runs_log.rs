@@ -1,5 +1,6 @@
-//! `runs.jsonl`: one line of JSON as each run ends, with the summary's names. A killed batch leaves every line it wrote.
-//! The writer locks the file, and with it the folder of results; the lock ends with the process.
+//! `runs.jsonl`: one line of JSON as each run ends, with the summary's names. A killed batch leaves
+//! every line it wrote. The writer locks the file, and with it the folder of results; the lock ends
+//! with the process.
 
 use crate::files::{RecordError, confined};
 use crate::metrics::{COLUMNS, number::Real};
@@ -20,7 +21,8 @@ pub struct RunsLog {
 }
 
 impl RunsLog {
-    /// Opens the file to append to it, after creating it and its folder if needed. Removes an incomplete last line.
+    /// Opens the file to append to it, after creating it and its folder if needed. Removes an
+    /// incomplete last line.
     ///
     /// # Errors
     /// The folder or file cannot be written; another program has it open to append.
@@ -46,11 +48,11 @@ impl RunsLog {
         Ok(Self { path: path.to_owned(), file, line: Vec::new() })
     }
 
-    /// Opens the file for new results, and empties it.
+    /// Opens the file for new results and empties it.
     ///
     /// # Errors
     /// See [`RunsLog::append`].
-    pub fn anew(path: &Path) -> Result<Self, RecordError> {
+    pub fn create(path: &Path) -> Result<Self, RecordError> {
         let log = Self::append(path)?;
         log.file.set_len(0).map_err(RecordError::io(path))?;
         Ok(log)
@@ -66,9 +68,10 @@ impl RunsLog {
             .map_err(|source| RecordError::Json { path: self.path.clone(), source })?;
         self.line.push(b'\n');
         let before = self.file.metadata().map(|m| m.len());
-        // One write per line, straight to the file: lines of a killed program are whole or absent.
+        // One unbuffered write per line: lines of a killed program are complete or absent.
         self.file.write_all(&self.line).and_then(|()| self.file.flush()).map_err(|source| {
-            // A full disk accepts the beginning of a line, which is removed here; devices cannot be truncated.
+            // A full disk accepts the beginning of a line, which is removed here; devices cannot be
+            // truncated.
             let _ = before.and_then(|length| self.file.set_len(length));
             RecordError::Io { path: self.path.clone(), source }
         })
@@ -143,7 +146,8 @@ fn remove_torn_line(file: &mut File) -> std::io::Result<()> {
     if end < length { file.set_len(end) } else { Ok(()) }
 }
 
-/// A row as a flat object: parameters under their dotted names, as in the summary; empty cells are null.
+/// A row as a flat object: parameters under their dotted names, as in the summary; empty cells are
+/// null.
 struct Line<'a>(&'a SummaryRow);
 
 impl Serialize for Line<'_> {

@@ -1,12 +1,12 @@
-//! `shard.jsonl`: the runs of a shard and their indices in the plan, from which `merge` finds missing runs.
+//! `shard.jsonl`: the runs of a shard and their indices in the plan, from which `merge` finds
+//! missing runs.
 //!
 //! The first line is a [`ShardHead`], each further one a [`ShardRun`], in the order of the plan.
 
 use crate::files::input;
 pub use crate::files::names::SHARD_LIST;
-use crate::files::{RecordError, atomic, confined};
+use crate::files::{RecordError, atomic, confined, json};
 use crate::results::PROGRAM;
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
@@ -110,22 +110,15 @@ impl ShardList {
     /// # Errors
     /// There is no list, or it is invalid or of another version.
     pub fn open(results: &Path) -> Result<Self, RecordError> {
-        #[derive(Deserialize)]
-        struct Version {
-            schema: u64,
-        }
         let path = results.join(SHARD_LIST);
         let mut lines = BufReader::new(input::open(&path).map_err(RecordError::io(&path))?.0);
         let mut text = String::new();
         lines.read_line(&mut text).map_err(RecordError::io(&path))?;
-        let Version { schema } = parse(&text, &path)?;
-        if schema != u64::from(SHARD_SCHEMA) {
-            return Err(RecordError::Version { path, found: schema, expected: SHARD_SCHEMA });
-        }
-        Ok(ShardList { head: parse(&text, &path)?, path, lines })
+        Ok(ShardList { head: json::parse(text.as_bytes(), &path, SHARD_SCHEMA)?, path, lines })
     }
 
-    /// Refuses names that are not plain folder names, since merging copies and removes folders of these names.
+    /// Refuses names that are not plain folder names, since merging copies and removes folders of
+    /// these names.
     fn checked(&self, run: ShardRun) -> Result<ShardRun, RecordError> {
         let invalid = [&run.scenario, &run.key].into_iter().find(|name| !confined::is_plain(name)).cloned();
         invalid.map_or(Ok(run), |name| Err(RecordError::Name { path: self.path.clone(), name }))
@@ -139,12 +132,12 @@ impl Iterator for ShardList {
         let mut text = String::new();
         match self.lines.read_line(&mut text) {
             Ok(0) => None,
-            Ok(_) => Some(parse(&text, &self.path).and_then(|run| self.checked(run))),
+            Ok(_) => {
+                let run = serde_json::from_str(&text);
+                let run = run.map_err(|source| RecordError::Json { path: self.path.clone(), source });
+                Some(run.and_then(|run| self.checked(run)))
+            }
             Err(source) => Some(Err(RecordError::Io { path: self.path.clone(), source })),
         }
     }
-}
-
-fn parse<T: DeserializeOwned>(line: &str, path: &Path) -> Result<T, RecordError> {
-    serde_json::from_str(line).map_err(|source| RecordError::Json { path: path.to_owned(), source })
 }

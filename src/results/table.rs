@@ -7,25 +7,26 @@ use crate::results::is_truth;
 use crate::results::summary::{parameter, parameter_names};
 use crate::results::verdict_table::brief_parameters;
 use crate::sim::Outcome;
-use crate::text::text_table::{self, Side, TextTable};
+use crate::text::text_table::{self, Alignment, TextTable};
 use crate::text::visible::visible;
 
 /// Longest cell of text; longer ones end in an ellipsis.
 const WIDEST: usize = 32;
 
-/// One aligned line per run: parameters, outcome, times, contact states tested, final height of the base. Scenarios that
-/// sweep other parameters have a header of their own.
+/// One aligned line per run: parameters, outcome, times, contact states tested, final height of the
+/// base. Scenarios that sweep other parameters have a header of their own.
 pub fn table(rows: &[SummaryRow], width: usize) -> String {
     let swept = |row: &SummaryRow| row.parameters.iter().map(|(n, _)| n.clone()).collect::<Vec<_>>();
     let blocks = rows.chunk_by(|a, b| a.scenario == b.scenario || swept(a) == swept(b));
     blocks.map(|block| lines(block, width)).collect::<Vec<_>>().join("\n")
 }
 
-/// A line with the reason for each run that did not simply pass; `all`: also for those that ended as expected.
+/// A line with the reason for each run that did not simply pass; `all`: also for those that ended
+/// as expected.
 pub fn endings(rows: &[SummaryRow], all: bool) -> String {
     let mut out = String::new();
-    let other = |r: &&SummaryRow| r.outcome != Outcome::Passed && !r.message.is_empty() && (all || r.is_refused());
-    for row in rows.iter().filter(other) {
+    let is_listed = |r: &&SummaryRow| r.outcome != Outcome::Passed && !r.message.is_empty() && (all || r.is_refused());
+    for row in rows.iter().filter(is_listed) {
         let parameters = brief_parameters(row, |_| true);
         let parameters = if parameters.is_empty() { parameters } else { format!(" ({parameters})") };
         let (scenario, reason) = (visible(&row.scenario), one_line(&row.message));
@@ -53,10 +54,11 @@ fn of_columns(
     parameters: impl IntoIterator<Item = String>,
     cells_of: impl Fn(&SummaryRow) -> Vec<String>,
 ) -> TextTable {
-    let text = ["method", "outcome"].map(|name| (name.to_owned(), Side::Left));
-    let numbers = ["sim s", "wall s", "x real time", "states/test", "final z m"].map(|n| (n.to_owned(), Side::Right));
-    let parameters = parameters.into_iter().map(|name| (name, Side::Left));
-    let header = [("scenario".to_owned(), Side::Left)].into_iter().chain(parameters).chain(text).chain(numbers);
+    let text = ["method", "outcome"].map(|name| (name.to_owned(), Alignment::Left));
+    let numbers =
+        ["sim s", "wall s", "x real time", "states/test", "final z m"].map(|n| (n.to_owned(), Alignment::Right));
+    let parameters = parameters.into_iter().map(|name| (name, Alignment::Left));
+    let header = [("scenario".to_owned(), Alignment::Left)].into_iter().chain(parameters).chain(text).chain(numbers);
     let mut table = TextTable::new(header);
     for row in rows {
         let m = &row.metrics;

@@ -9,24 +9,24 @@ use serde::{Deserialize, Serialize};
 pub struct Verdict {
     /// A numeric column of the summary, or `outcome`.
     pub metric: String,
-    /// Measured value; none for an outcome, and for an event that never came.
+    /// Measured value; none for an outcome, and for an event that did not occur.
     #[serde(with = "number::some_real")]
     #[schemars(with = "crate::results::Measure")]
     pub measured: Option<f64>,
     /// Expected value; none where there are only limits.
     pub truth: Option<f64>,
-    /// Greatest distance from `truth` that holds.
+    /// Largest allowed distance from `truth`.
     pub allowed: Option<f64>,
-    /// Smallest value that holds.
+    /// Smallest allowed value.
     pub min: Option<f64>,
-    /// Greatest value that holds.
+    /// Largest allowed value.
     pub max: Option<f64>,
-    /// Measured less expected value; with limits the distance beyond them, 0 between.
+    /// Measured minus expected value; with limits, the distance beyond them, 0 between them.
     #[serde(with = "number::some_real")]
     #[schemars(with = "crate::results::Measure")]
     pub error: Option<f64>,
-    /// The expectation held.
+    /// True if the expectation held.
     pub held: bool,
-    /// The reason of a failure.
+    /// Reason of a failure; may be empty.
     pub message: String,
 }

@@ -3,51 +3,52 @@
 use std::fmt::Write;
 
 use crate::results::is_truth;
-use crate::results::{ParamValue, SummaryRow, Verdict};
-use crate::text::text_table::{Side, TextTable, clip, significant};
+use crate::results::{SummaryRow, Verdict};
+use crate::text::text_table::{Alignment, TextTable, clip, significant};
 use crate::text::visible::visible;
 
-/// Longest list of a run's parameters; a longer one ends in an ellipsis.
+/// Longest list of a run's parameters; longer ones end in an ellipsis.
 const WIDEST: usize = 48;
 
-/// Digits of values; of those that did not hold as many as show the error.
+/// Digits of values; values of failed verdicts have as many as show the error.
 const DIGITS: usize = 6;
 
-/// Which verdicts a table has.
+/// Verdicts listed in a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shown {
+pub enum ListedVerdicts {
     /// Those that did not hold.
     Failed,
-    /// These, and all that name a value.
+    /// Those that did not hold, and all with an expected value.
     Values,
     /// All.
     All,
 }
 
-impl Shown {
-    fn shows(self, verdict: &Verdict) -> bool {
+impl ListedVerdicts {
+    fn lists(self, verdict: &Verdict) -> bool {
         !verdict.held
             || match self {
-                Shown::Failed => false,
-                Shown::Values => verdict.truth.is_some(),
-                Shown::All => true,
+                ListedVerdicts::Failed => false,
+                ListedVerdicts::Values => verdict.truth.is_some(),
+                ListedVerdicts::All => true,
             }
     }
 }
 
-/// For each run its name, and below it a line per verdict: metric, measured and expected value, error, relative error, what
-/// was allowed, and whether it held. The last line counts. Empty where nothing was expected.
-pub fn verdicts(rows: &[SummaryRow], shown: Shown, width: usize) -> String {
+/// For each run its name, and below it a line per verdict: metric, measured and expected value,
+/// error, relative error, what was allowed, and whether it held. The last line counts. Empty where
+/// nothing was expected.
+pub fn verdicts(rows: &[SummaryRow], listed: ListedVerdicts, width: usize) -> String {
     let all = rows.iter().map(|row| row.verdicts.len()).sum::<usize>();
     if all == 0 {
         return String::new();
     }
     // The metric is indented below its run.
-    let numbers = ["measured", "expected", "error", "relative", "allowed", "held"].map(|name| (name, Side::Right));
-    let mut table = TextTable::new([("  metric", Side::Left)].into_iter().chain(numbers));
+    let numbers = ["measured", "expected", "error", "relative", "allowed", "held"].map(|name| (name, Alignment::Right));
+    let mut table = TextTable::new([("  metric", Alignment::Left)].into_iter().chain(numbers));
     let mut runs = Vec::new();
     for row in rows {
-        let lines: Vec<_> = row.verdicts.iter().filter(|v| shown.shows(v)).map(cells).collect();
+        let lines: Vec<_> = row.verdicts.iter().filter(|v| listed.lists(v)).map(cells).collect();
         if !lines.is_empty() {
             let name = format!("{} {}", visible(&row.scenario), brief_parameters(row, |_| true));
             runs.push((clip(name.trim_end(), width), lines.len()));
@@ -97,14 +98,14 @@ fn cells(verdict: &Verdict) -> Vec<String> {
     ]
 }
 
-/// Without the zeros that end a decimal fraction.
+/// Removes trailing zeros of a decimal fraction.
 fn trimmed(number: &str) -> String {
     let (fraction, exponent) = number.split_at(number.find('e').unwrap_or(number.len()));
     let digits = if fraction.contains('.') { fraction.trim_end_matches('0').trim_end_matches('.') } else { fraction };
     format!("{digits}{exponent}")
 }
 
-/// Where a verdict did not hold, two digits of its error.
+/// Digits of a verdict's values; a failed verdict shows two digits of its error.
 fn digits(verdict: &Verdict) -> usize {
     match (verdict.measured, verdict.error) {
         (Some(measured), Some(error)) if !verdict.held && error != 0.0 && measured.is_finite() => {
@@ -115,13 +116,13 @@ fn digits(verdict: &Verdict) -> usize {
     }
 }
 
-/// The selected swept values, by the last part of their names unless two share it; of a path its last part. Swept true
-/// values are left out.
+/// The selected swept values, by the last part of their names unless two share it. Swept true
+/// values are omitted.
 pub(crate) fn brief_parameters(row: &SummaryRow, selected: impl Fn(&str) -> bool) -> String {
     // `rpy.1` of `floor.rpy.1`, `force` of `force.0.force`.
     let last = |name: &str| {
-        let word = |i: usize| !name[i + 1..].starts_with(|d: char| d.is_ascii_digit());
-        let dot = name.char_indices().rev().find(|&(i, c)| c == '.' && word(i));
+        let starts_name = |i: usize| !name[i + 1..].starts_with(|d: char| d.is_ascii_digit());
+        let dot = name.char_indices().rev().find(|&(i, c)| c == '.' && starts_name(i));
         name[dot.map_or(0, |(i, _)| i + 1)..].to_owned()
     };
     let named: Vec<_> = row.parameters.iter().filter(|(name, _)| !is_truth(name) && selected(name)).collect();
@@ -129,13 +130,7 @@ pub(crate) fn brief_parameters(row: &SummaryRow, selected: impl Fn(&str) -> bool
         let alone = named.iter().filter(|(other, _)| last(other) == last(name)).count() == 1;
         if alone { last(name) } else { name.to_owned() }
     };
-    // A robot by the name of its file.
-    let brief = |value: &ParamValue| {
-        let text = value.to_string();
-        let is_file = [".toml", ".urdf"].iter().any(|end| text.ends_with(end));
-        text.rsplit('/').next().filter(|_| is_file).map_or(text.clone(), str::to_owned)
-    };
     let text =
-        named.iter().map(|(name, value)| format!("{}={}", short(name), brief(value))).collect::<Vec<_>>().join(" ");
+        named.iter().map(|(name, value)| format!("{}={}", short(name), value.brief())).collect::<Vec<_>>().join(" ");
     clip(&visible(&text), WIDEST)
 }

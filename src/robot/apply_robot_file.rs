@@ -4,11 +4,11 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use toml::Spanned;
 
 use super::adjustments::{DriveSettings, SolePolygon, link_names, make_sole, set_drive};
-use super::error::{FileError, RobotError};
 use super::link_poses::link_poses;
 use super::model::{DriveMode, EndEffector, JointKind, LinkId, Model, Mount, SensorFrame};
 use super::notices::Notices;
 use super::payload;
+use super::robot_error::{FileError, RobotError};
 use super::robot_file::{Frame, JointEntry, ModeWord, RobotFile, SoleEntry};
 use crate::text::pattern::matches;
 use crate::text::source::Source;
@@ -21,56 +21,41 @@ pub(super) fn apply(
     notices: &mut Notices,
 ) -> Result<(), RobotError> {
     home(file, source, model)?;
-    let kinematic = kinematic(file, source, model)?;
+    let kinematic = match_kinematic(file, source, model)?;
     drives(file, source, model, &kinematic)?;
     payload::weld(&file.payload, source, model)?;
     if let Some(soles) = &file.sole {
-        given_soles(soles, source, model, notices)?;
+        add_soles(soles, source, model, notices)?;
     }
-    end_effectors(file, source, model)?;
-    sensors(file, source, model)
-}
-
-fn end_effectors(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
-    for entry in &file.end_effector {
-        let frame = entry.get_ref();
-        let element = format!("end effector `{}`", frame.name);
-        if model.end_effector(&frame.name).is_some() {
-            let fault =
-                FileError::new(source, entry.span(), format!("there are two end effectors named `{}`", frame.name));
-            return Err(fault.element(element).expected("a name of its own").invalid());
-        }
-        let (link, pose) = frame_pose(frame, &element, source, model)?;
-        model.end_effectors.push(EndEffector { name: frame.name.clone(), link, pose });
+    let end_effectors = frames(&file.end_effector, "end effector", source, model)?.into_iter();
+    let end_effector = |SensorFrame { name, mount: Mount { link, pose } }| EndEffector { name, link, pose };
+    model.end_effectors = end_effectors.map(end_effector).collect();
+    if let Some(sensors) = file.sensors.as_ref().map(Spanned::get_ref) {
+        model.sensors.imu = frames(&sensors.imu, "IMU", source, model)?;
+        model.sensors.force = frames(&sensors.force, "force sensor", source, model)?;
     }
     Ok(())
 }
 
-fn sensors(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
-    let Some(sensors) = file.sensors.as_ref().map(Spanned::get_ref) else { return Ok(()) };
-    model.sensors.imu = sensor_frames(&sensors.imu, "IMU", source, model)?;
-    model.sensors.force = sensor_frames(&sensors.force, "force sensor", source, model)?;
-    Ok(())
-}
-
-fn sensor_frames(
-    frames: &[Spanned<Frame>],
+/// Resolves the frames of one kind, whose names must be unique.
+fn frames(
+    entries: &[Spanned<Frame>],
     kind: &str,
     source: &Source,
     model: &Model,
 ) -> Result<Vec<SensorFrame>, RobotError> {
-    let mut made: Vec<SensorFrame> = Vec::new();
-    for entry in frames {
+    let mut frames: Vec<SensorFrame> = Vec::new();
+    for entry in entries {
         let frame = entry.get_ref();
         let element = format!("{kind} `{}`", frame.name);
-        if made.iter().any(|other| other.name == frame.name) {
+        if frames.iter().any(|other| other.name == frame.name) {
             let fault = FileError::new(source, entry.span(), format!("there are two {kind}s named `{}`", frame.name));
-            return Err(fault.element(element).expected("a name of its own").invalid());
+            return Err(fault.element(element).expected("a unique name").invalid());
         }
         let (link, pose) = frame_pose(frame, &element, source, model)?;
-        made.push(SensorFrame { name: frame.name.clone(), mount: Mount { link, pose } });
+        frames.push(SensorFrame { name: frame.name.clone(), mount: Mount { link, pose } });
     }
-    Ok(made)
+    Ok(frames)
 }
 
 /// The carrying link and the frame's pose in its internal frame.
@@ -87,8 +72,8 @@ fn frame_pose(
         return Err(fault.element(element).expected("three finite numbers").invalid());
     }
     let [roll, pitch, yaw] = frame.rpy.map_or([0.0; 3], |rpy| rpy.map(|angle| angle.value));
-    let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-    Ok((link, urdf_frame * Isometry3::from_parts(Vector3::from(position).into(), turn)))
+    let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+    Ok((link, urdf_frame * Isometry3::from_parts(Vector3::from(position).into(), rotation)))
 }
 
 fn home(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
@@ -113,15 +98,15 @@ fn home(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), Robo
     Ok(())
 }
 
-/// For each joint, whether a pattern of `kinematic` matches it.
-fn kinematic(file: &RobotFile, source: &Source, model: &Model) -> Result<Vec<bool>, RobotError> {
+/// For each joint, true if a pattern of `kinematic` matches it.
+fn match_kinematic(file: &RobotFile, source: &Source, model: &Model) -> Result<Vec<bool>, RobotError> {
     let mut matched = vec![false; model.joints.len()];
     for pattern in file.kinematic.iter().flatten() {
-        let mut any = false;
+        let mut has_match = false;
         for (matched, joint) in
             matched.iter_mut().zip(&model.joints).filter(|(_, j)| matches(pattern.get_ref(), &j.name))
         {
-            (any, *matched) = (true, true);
+            (has_match, *matched) = (true, true);
             let own = file.joint.get(joint.name.as_str()).and_then(|entry| entry.get_ref().mode.as_ref());
             if let Some(mode) = own.filter(|mode| *mode.get_ref() != ModeWord::Kinematic) {
                 let message = format!("joint `{}` is matched by `{}` of `kinematic`", joint.name, pattern.get_ref());
@@ -129,7 +114,7 @@ fn kinematic(file: &RobotFile, source: &Source, model: &Model) -> Result<Vec<boo
                 return Err(fault.expected("no other mode").invalid());
             }
         }
-        if !any {
+        if !has_match {
             let message = format!("no moving joint of the URDF matches `{}`", pattern.get_ref());
             let known = model.joints.iter().map(|j| j.name.as_str());
             return Err(FileError::new(source, pattern.span(), message)
@@ -161,13 +146,13 @@ fn drives(file: &RobotFile, source: &Source, model: &mut Model, kinematic: &[boo
             own.mode = Some(DriveMode::Kinematic);
         }
         let element = format!("joint `{name}`");
-        set_drive(model, &name, &own.or(default)).map_err(|error| at(span, &element, error, source))?;
+        set_drive(model, &name, &own.or(default)).map_err(|error| with_position(span, &element, error, source))?;
     }
     Ok(())
 }
 
 /// Adds the position in the robot file to an error of a value.
-fn at(span: std::ops::Range<usize>, element: &str, error: RobotError, source: &Source) -> RobotError {
+fn with_position(span: std::ops::Range<usize>, element: &str, error: RobotError, source: &Source) -> RobotError {
     match error {
         RobotError::BadValue { subject, found, expected } => {
             FileError::new(source, span, subject).element(element).found(found).expected(expected).invalid()
@@ -176,7 +161,7 @@ fn at(span: std::ops::Range<usize>, element: &str, error: RobotError, source: &S
     }
 }
 
-/// The numbers of a table, checked.
+/// Checks the values of a drive's table.
 fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveSettings, RobotError> {
     let checked = |key: &str, value: &Option<Spanned<f64>>, holds: &dyn Fn(f64) -> bool, expected: &str| match value {
         Some(v) if !(v.get_ref().is_finite() && holds(*v.get_ref())) => {
@@ -189,7 +174,7 @@ fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveS
     };
     let number = |key: &str, value: &_| checked(key, value, &|v| v >= 0.0, "a finite number, not negative");
     let above = |key: &str, value: &_| checked(key, value, &|v| v > 0.0, "a finite number above 0");
-    let mode = entry.mode.as_ref().map(|word| match word.get_ref() {
+    let mode = entry.mode.as_ref().map(|mode| match mode.get_ref() {
         ModeWord::Position => DriveMode::Position,
         ModeWord::Force => DriveMode::Force,
         ModeWord::Passive => DriveMode::Passive,
@@ -220,7 +205,7 @@ fn settings(entry: &JointEntry, element: &str, source: &Source) -> Result<DriveS
     })
 }
 
-fn given_soles(
+fn add_soles(
     soles: &[Spanned<SoleEntry>],
     source: &Source,
     model: &mut Model,
@@ -232,7 +217,7 @@ fn given_soles(
         let element = format!("sole `{}`", sole.name);
         if model.soles.iter().any(|s| s.name == sole.name) {
             let fault = FileError::new(source, entry.span(), format!("there are two soles named `{}`", sole.name));
-            return Err(fault.element(element).expected("a name of its own").invalid());
+            return Err(fault.element(element).expected("a unique name").invalid());
         }
         known_link(&sole.link, &element, source, model)?;
         let spec = SolePolygon {
@@ -240,31 +225,30 @@ fn given_soles(
             link: sole.link.get_ref().clone(),
             polygon: sole.polygon.get_ref().iter().map(|p| Vector3::from(*p)).collect(),
         };
-        let (made, turned) =
-            make_sole(model, &poses, &spec).map_err(|error| at(sole.polygon.span(), &element, error, source))?;
-        if turned {
-            let message =
-                format!("{element} runs clockwise seen from above: its vertices are taken the other way round");
+        let (new, reversed) = make_sole(model, &poses, &spec)
+            .map_err(|error| with_position(sole.polygon.span(), &element, error, source))?;
+        if reversed {
+            let message = format!("{element} runs clockwise seen from above: the order of its vertices is reversed");
             notices.info(source, sole.polygon.span().start, message);
         }
-        model.soles.push(made);
+        model.soles.push(new);
     }
     Ok(())
 }
 
-/// Reports force sensors that are not read: those on links without a sole, and all but the first on one link. Requires the
-/// soles.
-pub(super) fn unread_force_sensors(file: &RobotFile, source: &Source, model: &Model, notices: &mut Notices) {
+/// Notes force sensors that are not read: those on links without a sole, and all but the first of a
+/// link. Requires the soles.
+pub(super) fn note_unread_force_sensors(file: &RobotFile, source: &Source, model: &Model, notices: &mut Notices) {
     let entries = file.sensors.iter().flat_map(|s| &s.get_ref().force);
     for (i, (entry, sensor)) in entries.zip(&model.sensors.force).enumerate() {
         let link = sensor.mount.link;
         let first = model.sensors.force[..i].iter().find(|other| other.mount.link == link);
-        let why = match first {
+        let reason = match first {
             Some(first) => format!("`{}` is on the same link", first.name),
             None if model.soles.iter().any(|sole| sole.link == link) => continue,
             None => format!("link `{}` has no sole", model.links[link.0].name),
         };
-        notices.info(source, entry.span().start, format!("force sensor `{}` is not read: {why}", sensor.name));
+        notices.info(source, entry.span().start, format!("force sensor `{}` is not read: {reason}", sensor.name));
     }
 }
 

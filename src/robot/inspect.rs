@@ -1,4 +1,4 @@
-//! The text of `runner inspect`.
+//! Text output of `runner inspect`.
 
 use std::fmt::Write;
 
@@ -146,8 +146,8 @@ fn frames(out: &mut String, model: &Model) -> std::fmt::Result {
         let own = link.urdf_frame.inverse() * pose;
         let (roll, pitch, yaw) = own.rotation.euler_angles();
         let (origin, rpy) = (vector(&own.translation.vector), vector(&Vector3::new(roll, pitch, yaw)));
-        let called = format!("{kind} {name}");
-        writeln!(out, "  {called:<26} on {}: {origin}, rpy {rpy}", link.name)?;
+        let label = format!("{kind} {name}");
+        writeln!(out, "  {label:<26} on {}: {origin}, rpy {rpy}", link.name)?;
     }
     Ok(())
 }
@@ -171,7 +171,7 @@ fn in_urdf_frame(link: &Link) -> (Vector3<f64>, Matrix3<f64>) {
     ((back * Point3::from(link.com)).coords, r * link.inertia * r.transpose())
 }
 
-/// Six significant digits at most, what is zero but for rounding shown as 0.
+/// At most six significant digits; values that are zero up to rounding are shown as 0.
 fn number(x: f64) -> String {
     if x.abs() < 1e-15 {
         return "0".into();

@@ -1,4 +1,4 @@
-//! Poses of the links in a posture, relative to the root's URDF frame; used to detect and check soles at home.
+//! Poses of the links in a posture, relative to the root's URDF frame.
 
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 

@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use super::apply_robot_file::{apply, unread_force_sensors};
-use super::error::{FileError, RobotError, read_source};
+use super::apply_robot_file::{apply, note_unread_force_sensors};
 use super::mesh_simplification::simplify_meshes;
 use super::model::{Base, Model};
 use super::notices::Notices;
+use super::robot_error::{FileError, RobotError, read_source};
 use super::robot_file::{self, BaseWord, RobotFile};
 use super::self_collision::{self, SelfCollision};
 use super::sole_detection::find_soles;
@@ -21,27 +21,31 @@ use crate::text::source::Source;
 pub struct Robot {
     /// The simulated model.
     pub model: Model,
-    /// Every file used with its bytes: the robot file if there is one, the URDF, meshes. For hashing and for logs.
+    /// Every file used with its bytes: the robot file if there is one, the URDF, meshes. For
+    /// hashing and for logs.
     pub files: Vec<(PathBuf, Vec<u8>)>,
     /// The URDF's text.
     pub urdf_text: String,
-    /// Notes and warnings: what was ignored, assumed or found.
+    /// Notes and warnings: ignored elements, assumptions, detected soles.
     pub notices: Vec<Diagnostic>,
     /// Links that must not touch each other.
     pub self_collision: SelfCollision,
 }
 
-/// Loads a robot file (`.toml`) or a bare URDF (`.urdf`). Errors: see [`RobotError`]; the first one found is returned.
+/// Loads a robot file (`.toml`) or a bare URDF (`.urdf`). Errors: see [`RobotError`]; the first one
+/// found is returned.
 pub fn load(path: &Path) -> Result<Robot, RobotError> {
     load_with(path, None)
 }
 
-/// As [`load`]; `policy`, if given, overrides the robot file's treatment of inertias that no body can have.
+/// As [`load`]; `policy`, if given, overrides the robot file's treatment of inertias that no body
+/// can have.
 pub fn load_with(path: &Path, policy: Option<InertiaPolicy>) -> Result<Robot, RobotError> {
     read(read_source(path)?, policy)
 }
 
-/// As [`load_with`], for a text. Errors name `path`; its extension gives the format, and other files are relative to it.
+/// As [`load_with`], for a text. Errors name `path`; its extension gives the format, and other
+/// files are relative to it.
 pub fn parse(path: &Path, text: impl Into<String>, policy: Option<InertiaPolicy>) -> Result<Robot, RobotError> {
     read(Source::new(path, text), policy)
 }
@@ -57,18 +61,14 @@ fn read(source: Source, policy: Option<InertiaPolicy>) -> Result<Robot, RobotErr
                 let fault = FileError::new(&source, file.urdf.span(), error.to_string()).element("urdf");
                 fault.expected("the path of a URDF, relative to this file").invalid()
             })?;
-            assemble(urdf, Some((source, file)), policy)
+            build(urdf, Some((source, file)), policy)
         }
-        "urdf" | "xml" => assemble(source, None, policy),
+        "urdf" | "xml" => build(source, None, policy),
         _ => Err(RobotError::Read { path, reason: "it is neither a .toml nor a .urdf file".into() }),
     }
 }
 
-fn assemble(
-    urdf: Source,
-    file: Option<(Source, RobotFile)>,
-    policy: Option<InertiaPolicy>,
-) -> Result<Robot, RobotError> {
+fn build(urdf: Source, file: Option<(Source, RobotFile)>, policy: Option<InertiaPolicy>) -> Result<Robot, RobotError> {
     let mut notices = Notices::default();
     let base = file.as_ref().and_then(|(_, f)| f.base.as_ref()).map(|word| match word.get_ref() {
         BaseWord::Fixed => Base::Fixed,
@@ -82,11 +82,11 @@ fn assemble(
         notices.info(
             &urdf,
             urdf.text().find("<robot").unwrap_or(0),
-            format!("the robot has no name: `{}` is taken", model.name),
+            format!("the robot has no name; `{}` is used", model.name),
         );
     }
-    let named = |joint: &str| file.as_ref().is_some_and(|(_, f)| f.home.contains_key(joint));
-    home_within_limits(&mut model, &urdf, named, &mut notices);
+    let is_named = |joint: &str| file.as_ref().is_some_and(|(_, f)| f.home.contains_key(joint));
+    set_default_home(&mut model, &urdf, is_named, &mut notices);
     let mut files = Vec::new();
     let mut soles_given = false;
     let mut self_collision = SelfCollision::default();
@@ -96,41 +96,41 @@ fn assemble(
         soles_given = file.sole.is_some();
         files.push((source.path().to_owned(), source.text().as_bytes().to_vec()));
     }
-    let is_named = |joint: &str| file.as_ref().is_some_and(|(_, f)| f.home.contains_key(joint));
-    homes_that_follow(&mut model, mimics.iter().filter(|m| !is_named(&m.joint)));
+    set_mimic_homes(&mut model, mimics.iter().filter(|m| !is_named(&m.joint)));
     if !soles_given {
         find_soles(&mut model, &urdf, &mut notices);
     }
     if let Some((source, file)) = &file {
-        unread_force_sensors(file, source, &model, &mut notices);
+        note_unread_force_sensors(file, source, &model, &mut notices);
     }
     // Soles are detected on the original meshes.
     simplify_meshes(&mut model, &urdf, &mut notices);
     files.push((urdf.path().to_owned(), urdf.text().as_bytes().to_vec()));
     files.extend(meshes);
-    warn_of_links(&files, &urdf, &mut notices);
-    Ok(Robot { model, files, urdf_text: urdf.text().to_owned(), notices: notices.into_all(), self_collision })
+    warn_about_symbolic_links(&files, &urdf, &mut notices);
+    Ok(Robot { model, files, urdf_text: urdf.text().to_owned(), notices: notices.into_diagnostics(), self_collision })
 }
 
-/// Warns of symbolic links that lead out of the robot's folder; their targets are read.
-fn warn_of_links(files: &[(PathBuf, Vec<u8>)], urdf: &Source, notices: &mut Notices) {
+/// Warns about symbolic links out of the robot's folder; their targets are read.
+fn warn_about_symbolic_links(files: &[(PathBuf, Vec<u8>)], urdf: &Source, notices: &mut Notices) {
     let Some(home) = files.first().and_then(|(path, _)| path.parent()) else { return };
-    let outside = files.iter().filter_map(|(path, _)| Some((path, input::led_out(home, path)?)));
+    let outside = files.iter().filter_map(|(path, _)| Some((path, input::outside_target(home, path)?)));
     let outside: Vec<_> = outside.collect();
     if let Some((path, real)) = outside.first() {
         let (path, real, more) = (path.display(), real.display(), outside.len() - 1);
-        let others = if more == 0 { String::new() } else { format!(", and so for {more} more of its files") };
+        let others = if more == 0 { String::new() } else { format!("; so do links of {more} more files") };
         let message = format!("a symbolic link leads out of the robot's folder: {path} is {real}{others}");
         notices.warning(urdf, urdf.text().find("<robot").unwrap_or(0), message);
     }
 }
 
-/// Sets the home of mimic joints to that of their leader times multiplier plus offset, within limits.
-fn homes_that_follow<'a>(model: &mut Model, mimics: impl Iterator<Item = &'a Mimic>) {
+/// Sets the home of mimic joints to that of their leader times multiplier plus offset, within
+/// limits.
+fn set_mimic_homes<'a>(model: &mut Model, mimics: impl Iterator<Item = &'a Mimic>) {
     let joints: HashMap<&str, usize> = model.joints.iter().enumerate().map(|(i, j)| (j.name.as_str(), i)).collect();
     let pair = |mimic: &'a Mimic| Some((mimic, *joints.get(mimic.joint.as_str())?, *joints.get(mimic.of.as_str())?));
     let pairs: Vec<_> = mimics.filter_map(pair).collect();
-    // A joint may follow a joint that follows: at most as many rounds as the longest chain has links.
+    // A mimic joint may follow another one, so rounds repeat up to the length of the longest chain.
     for _ in &pairs {
         let before = model.home.clone();
         for &(mimic, joint, of) in &pairs {
@@ -145,11 +145,12 @@ fn homes_that_follow<'a>(model: &mut Model, mimics: impl Iterator<Item = &'a Mim
     }
 }
 
-/// The home of a joint that the robot file does not name is 0, or the limit nearest to 0. `named`: joints of its `home`.
-fn home_within_limits(model: &mut Model, urdf: &Source, named: impl Fn(&str) -> bool, notices: &mut Notices) {
+/// Sets the home of each joint to 0, or to the limit nearest to 0. `is_named` is true for joints in
+/// the robot file's `home`, which need no note.
+fn set_default_home(model: &mut Model, urdf: &Source, is_named: impl Fn(&str) -> bool, notices: &mut Notices) {
     for (joint, home) in model.joints.iter().zip(&mut model.home) {
         *home = 0.0f64.clamp(joint.lower, joint.upper);
-        if *home != 0.0 && !named(&joint.name) {
+        if *home != 0.0 && !is_named(&joint.name) {
             let at = urdf.text().find(&format!("\"{}\"", joint.name)).unwrap_or(0);
             let message = format!("0 is outside the limits of joint `{}`: its home is {home}", joint.name);
             notices.info(urdf, at, message);

@@ -1,4 +1,4 @@
-//! Replaces meshes of many triangles by convex hulls, small enough for each log.
+//! Replaces meshes of many triangles by convex hulls, so that logs stay small.
 
 use nalgebra::{Point3, Vector3};
 
@@ -7,10 +7,11 @@ use super::notices::Notices;
 use crate::geometry::spatial_hull::{convex_hull_3d, outermost, spread};
 use crate::text::source::Source;
 
-/// Meshes of at most this many triangles are kept as they are.
-const MOST_TRIANGLES: usize = 1000;
-/// Directions along which the outermost vertices of a larger mesh are kept: about 14 degrees apart, so the hull of a ball
-/// of radius r is at most 0.8 % of r within it, and that of a body with few corners is exact.
+/// Greatest number of triangles of a mesh that is not replaced.
+const MAX_TRIANGLES: usize = 1000;
+/// Directions along which the outermost vertices of a larger mesh are kept: about 14 degrees apart,
+/// so the hull of a ball of radius r is at most 0.8 % of r within it, and that of a body with few
+/// corners is exact.
 pub(super) const DIRECTIONS: usize = 200;
 
 /// Replaces large meshes by hulls of their outermost vertices, with a notice.
@@ -20,7 +21,7 @@ pub(super) fn simplify_meshes(model: &mut Model, source: &Source, notices: &mut 
     let (mut replaced, mut before) = (0, 0);
     for shape in shapes {
         let Geometry::Mesh(points, triangles) = &shape.geometry else { continue };
-        if triangles.len() <= MOST_TRIANGLES {
+        if triangles.len() <= MAX_TRIANGLES {
             continue;
         }
         // A flat mesh has no hull and stays.
@@ -31,7 +32,7 @@ pub(super) fn simplify_meshes(model: &mut Model, source: &Source, notices: &mut 
     }
     if replaced > 0 {
         let message = format!(
-            "{replaced} meshes of more than {MOST_TRIANGLES} triangles ({before} in all) are kept as convex hulls"
+            "{replaced} meshes of more than {MAX_TRIANGLES} triangles ({before} in all) are kept as convex hulls"
         );
         notices.info(source, source.text().find("<robot").unwrap_or(0), message);
     }

@@ -1,16 +1,19 @@
-//! The robot as the simulator sees it: an immutable tree of rigid links.
+//! The robot's model: an immutable tree of rigid links.
 //!
-//! Conventions, used by every room below this one:
-//! - **Link frame**: each moving link carries an internal frame whose origin is on its joint and whose **z axis is
-//!   the joint axis**, so a revolute joint transform is a plane rotation. `Link::urdf_frame` leads back to the frame
-//!   of the URDF file; all user input and output is in that frame.
-//! - **Topological order**: a link's parent has a smaller index. `joints[i]` moves `links[i + 1]`; `links[0]` is the root.
-//! - **Velocities** `v`: floating base first, `(p', omega)` = velocity of the root link's URDF frame origin and angular
-//!   velocity, both in world axes; then one number per joint. A fixed base has joints only.
+//! Conventions of all modules of the simulation:
+//! - **Link frame**: each moving link carries an internal frame whose origin is on its joint and
+//!   whose **z axis is the joint axis**, so a revolute joint transform is a plane rotation.
+//!   `Link::urdf_frame` leads back to the frame of the URDF file; all user input and output is in
+//!   that frame.
+//! - **Topological order**: a link's parent has a smaller index. `joints[i]` moves `links[i + 1]`;
+//!   `links[0]` is the root.
+//! - **Velocities** `v`: floating base first, `(p', omega)` = velocity of the root link's URDF
+//!   frame origin and angular velocity, both in world axes; then one number per joint. A fixed base
+//!   has joints only.
 //! - The root's internal frame is its URDF frame.
 
-use super::friction::Friction;
-use super::urdf::RigidInertia;
+use super::friction::JointFrictionLaw;
+use super::rigid_inertia::RigidInertia;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
 macro_rules! index {
@@ -39,7 +42,8 @@ index!(
 pub enum Base {
     /// Free in space: six velocities.
     Floating,
-    /// Fixed to the world (a URDF whose root link is called `world`, or `base = "fixed"` in the robot file).
+    /// Fixed to the world (a URDF whose root link is called `world`, or `base = "fixed"` in the
+    /// robot file).
     Fixed,
 }
 
@@ -63,7 +67,7 @@ pub enum DriveMode {
     Force,
     /// `tau = kd (qd_des - qd) + feed-forward`, clipped.
     Velocity,
-    /// Exactly on its command, without dynamics of its own: a prescribed motion. Limits, stops and gains do not hold it.
+    /// Follows its command exactly, without dynamics. Limits, stops and gains have no effect.
     Kinematic,
     /// No actuator torque.
     #[default]
@@ -100,28 +104,31 @@ pub struct Joint {
     pub damping: f64,
     /// Coulomb friction, N m or N.
     pub friction: f64,
-    /// Static friction, N m or N; Coulomb friction counts where it is greater.
+    /// Static friction, N m or N; without effect unless greater than Coulomb friction.
     pub static_friction: f64,
     /// Speed over which friction falls from static to Coulomb's, rad/s or m/s, above 0.
     pub stribeck_velocity: f64,
     /// Speed below which friction is below its full size, rad/s or m/s, above 0.
     pub slip_velocity: f64,
-    /// Stiffness (N m/rad or N/m) and damping (N m s/rad or N s/m) of the end stops; `None` when they follow from the inertia.
+    /// Stiffness (N m/rad or N/m) and damping (N m s/rad or N s/m) of the end stops; `None` when
+    /// they follow from the inertia.
     pub stop: Option<(f64, f64)>,
     /// Reflected rotor inertia, kg m^2 or kg.
     pub armature: f64,
-    /// Time constant with which the actuator's effort follows the command, s; 0 when it follows at once.
+    /// Time constant with which the actuator's effort follows the command, s; 0 when it follows at
+    /// once.
     pub lag: f64,
     /// The actuator.
     pub drive: Drive,
-    /// True when the URDF or robot file configured the drive; `joint_default` of a scenario fills the others.
+    /// True when the URDF or robot file configured the drive; `joint_default` of a scenario fills
+    /// the others.
     pub drive_configured: bool,
 }
 
 impl Joint {
     /// The law of the joint's friction.
-    pub fn friction_law(&self) -> Friction {
-        Friction {
+    pub fn friction_law(&self) -> JointFrictionLaw {
+        JointFrictionLaw {
             coulomb: self.friction,
             viscous: self.damping,
             static_: self.static_friction,
@@ -131,7 +138,7 @@ impl Joint {
     }
 }
 
-/// A shape fixed to a link, for pictures, hulls and sole finding.
+/// A shape fixed to a link, for drawing, collision bodies and sole detection.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Shape {
     /// Pose in the link's internal frame.
@@ -199,7 +206,7 @@ impl Link {
         RigidInertia { mass: self.mass, com: self.com, tensor: self.inertia }
     }
 
-    /// Replaces them.
+    /// Replaces mass, centre of mass and inertia.
     pub fn set_body(&mut self, body: &RigidInertia) {
         (self.mass, self.com, self.inertia) = (body.mass, body.com, body.tensor);
     }
@@ -212,9 +219,24 @@ pub struct Sole {
     pub name: String,
     /// Carrying link.
     pub link: LinkId,
-    /// Vertices in the carrying link's **internal** frame, m, in order around the polygon (counter-clockwise seen from
-    /// above when the sole faces down). One vertex is a point foot, two a line foot.
+    /// Vertices in the carrying link's **internal** frame, m, in order around the polygon
+    /// (counter-clockwise seen from above when the sole faces down). One vertex is a point foot,
+    /// two a line foot.
     pub vertices: Vec<Vector3<f64>>,
+}
+
+impl Sole {
+    /// Mean of the vertices, m.
+    pub fn centroid(&self) -> Vector3<f64> {
+        self.vertices.iter().sum::<Vector3<f64>>() / self.vertices.len().max(1) as f64
+    }
+
+    /// Greatest distance of a vertex from the centroid, m; 1 for a point foot.
+    pub fn radius(&self) -> f64 {
+        let centroid = self.centroid();
+        let radius = self.vertices.iter().map(|v| (v - centroid).norm()).fold(0.0, f64::max);
+        if radius > 0.0 { radius } else { 1.0 }
+    }
 }
 
 /// A frame of interest fixed to a link.
@@ -295,7 +317,7 @@ impl Model {
         self.nb() + self.nj()
     }
 
-    /// Whole mass, kg (the fixed root of a fixed-base model left out).
+    /// Total mass, kg, without the fixed root of a fixed-base model.
     pub fn mass(&self) -> f64 {
         let first = usize::from(self.base == Base::Fixed);
         self.links[first..].iter().map(|l| l.mass).sum()
@@ -316,7 +338,8 @@ impl Model {
         self.end_effectors.iter().position(|e| e.name == name)
     }
 
-    /// The link of that name, welded ones included, with the pose of its URDF frame in the carrying link's internal frame.
+    /// The link of that name, welded ones included, with the pose of its URDF frame in the carrying
+    /// link's internal frame.
     pub fn link(&self, name: &str) -> Option<(LinkId, Isometry3<f64>)> {
         self.links.iter().enumerate().find_map(|(i, l)| {
             if l.name == name {

@@ -1,4 +1,4 @@
-//! Collects what a loader ignored, assumed or found: notes and warnings, never errors.
+//! Collects notes and warnings of the loader: ignored elements, assumptions, detected soles.
 
 use std::collections::HashSet;
 use std::path::PathBuf;
@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use crate::text::diagnostic::{Diagnostic, Severity};
 use crate::text::source::Source;
 
-/// Notes and warnings of a robot's files, in the order in which they came up. An equal message about one file is kept once.
+/// Notes and warnings about a robot's files, in order of reporting. Equal messages about one file
+/// are kept once.
 #[derive(Default)]
 pub(super) struct Notices {
     all: Vec<Diagnostic>,
@@ -14,12 +15,12 @@ pub(super) struct Notices {
 }
 
 impl Notices {
-    /// All of them.
-    pub fn into_all(self) -> Vec<Diagnostic> {
+    /// The notes and warnings.
+    pub fn into_diagnostics(self) -> Vec<Diagnostic> {
         self.all
     }
 
-    /// Adds a choice the loader made, or something without effect that it left out.
+    /// Adds a note: an assumption of the loader, or an element without effect that it ignored.
     pub fn info(&mut self, source: &Source, offset: usize, message: impl Into<String>) {
         self.push(Severity::Note, source, offset, message.into());
     }

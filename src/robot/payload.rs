@@ -1,14 +1,15 @@
 //! Loads that the robot file welds to links: a backpack, hands that the URDF leaves out.
 //!
-//! A homogeneous box of mass m and edges a, b, c has `Ixx = m (b^2 + c^2) / 12` about its centre, and cyclically.
+//! A homogeneous box of mass m and edges a, b, c has `Ixx = m (b^2 + c^2) / 12` about its centre,
+//! and cyclically.
 
 use nalgebra::{Translation3, Vector3};
 use toml::Spanned;
 
 use super::adjustments::add_payload;
 use super::apply_robot_file::known_link;
-use super::error::{FileError, RobotError};
 use super::model::{Geometry, Model, Shape};
+use super::robot_error::{FileError, RobotError};
 use super::robot_file::PayloadEntry;
 use crate::text::source::Source;
 
@@ -22,7 +23,7 @@ pub(super) fn weld(loads: &[Spanned<PayloadEntry>], source: &Source, model: &mut
         let element = format!("payload `{}`", load.name);
         if loads[..i].iter().any(|other| other.get_ref().name == load.name) {
             let fault = FileError::new(source, entry.span(), format!("there are two payloads named `{}`", load.name));
-            return Err(fault.element(element).expected("a name of its own").invalid());
+            return Err(fault.element(element).expected("a unique name").invalid());
         }
         known_link(&load.link, &element, source, model)?;
         let mass = *load.mass.get_ref();
@@ -55,8 +56,9 @@ pub(super) fn weld(loads: &[Spanned<PayloadEntry>], source: &Source, model: &mut
     Ok(())
 }
 
-/// Welds a homogeneous box to the link named `link` and draws it: mass (kg), centre (m) in the link's URDF frame, edges
-/// (m) along its axes. Errors: as [`add_payload`], and a size that is no box.
+/// Welds a homogeneous box to the link named `link` and draws it: mass (kg), centre (m) in the
+/// link's URDF frame, edges (m) along its axes. Errors: as [`add_payload`], and a size that is
+/// not positive.
 pub fn add_box(
     model: &mut Model,
     link: &str,
@@ -66,7 +68,7 @@ pub fn add_box(
 ) -> Result<(), RobotError> {
     let [a, b, c] = size;
     if !size.iter().all(|x| x.is_finite() && *x > 0.0) {
-        let subject = format!("size of the payload on link `{link}` is no box");
+        let subject = format!("size of the payload on link `{link}` is not a box");
         let expected = "three finite lengths above 0".to_owned();
         return Err(RobotError::BadValue { subject, found: format!("{size:?}"), expected });
     }

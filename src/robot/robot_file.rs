@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::error::{FileError, RobotError};
+use super::robot_error::{FileError, RobotError};
 use super::urdf::InertiaPolicy;
 use crate::text::angle::Angle;
 use crate::text::source::Source;
@@ -20,7 +20,8 @@ pub struct RobotFile {
     /// The URDF, relative to this file.
     #[schemars(with = "String")]
     pub urdf: Spanned<String>,
-    /// Whether the root link is fixed or floats; by default fixed when the URDF's root link is called `world`, else floating.
+    /// Whether the root link is fixed or floats; by default fixed when the URDF's root link is
+    /// called `world`, else floating.
     #[schemars(with = "Option<BaseWord>")]
     pub base: Option<Spanned<BaseWord>>,
     /// Treatment of inertias that no body can have; a scenario may override it.
@@ -29,7 +30,8 @@ pub struct RobotFile {
     #[serde(default)]
     #[schemars(with = "BTreeMap<String, Angle>")]
     pub home: BTreeMap<Spanned<String>, Spanned<Angle>>,
-    /// Convex polygons that may touch the floor; detected from the collision shapes when none are given.
+    /// Convex polygons that may touch the floor; detected from the collision shapes when none are
+    /// given.
     #[schemars(with = "Option<Vec<SoleEntry>>")]
     pub sole: Option<Vec<Spanned<SoleEntry>>>,
     /// Drives by joint name.
@@ -43,8 +45,8 @@ pub struct RobotFile {
     #[serde(default)]
     #[schemars(with = "Vec<PayloadEntry>")]
     pub payload: Vec<Spanned<PayloadEntry>>,
-    /// Joints that follow their command exactly, without dynamics (mode `kinematic`): names in which `*` matches any
-    /// characters and `?` one.
+    /// Joints that follow their command exactly, without dynamics (mode `kinematic`): names in
+    /// which `*` matches any characters and `?` one.
     #[schemars(with = "Option<Vec<String>>")]
     pub kinematic: Option<Vec<Spanned<String>>>,
     /// Frames of interest.
@@ -117,11 +119,12 @@ pub struct PayloadEntry {
     /// Centre of mass in the link's URDF frame, m.
     #[schemars(with = "Option<[f64; 3]>")]
     pub position: Option<Spanned<[f64; 3]>>,
-    /// `[ixx, iyy, izz, ixy, ixz, iyz]` about that centre in the link's axes, kg m^2. Without `inertia` and `size` it is a
-    /// point mass.
+    /// `[ixx, iyy, izz, ixy, ixz, iyz]` about that centre in the link's axes, kg m^2. Without
+    /// `inertia` and `size` it is a point mass.
     #[schemars(with = "Option<[f64; 6]>")]
     pub inertia: Option<Spanned<[f64; 6]>>,
-    /// Instead of `inertia`: edges of a homogeneous box along the link's axes, m; the box is also drawn.
+    /// Instead of `inertia`: edges of a homogeneous box along the link's axes, m; the box is also
+    /// drawn.
     #[schemars(with = "Option<[f64; 3]>")]
     pub size: Option<Spanned<[f64; 3]>>,
 }
@@ -169,7 +172,8 @@ pub struct JointEntry {
     /// Time constant of the actuator, s: its effort follows the commanded one as a first-order lag.
     #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub lag: Option<Spanned<f64>>,
-    /// End stops; left out: as stiff as lets the joint's own inertia swing at 300 rad/s, critically damped.
+    /// End stops; left out: as stiff as lets the joint's own inertia swing at 300 rad/s, critically
+    /// damped.
     pub stop: Option<StopEntry>,
 }
 

@@ -5,12 +5,12 @@ use std::ops::RangeInclusive;
 use toml::Spanned;
 
 use super::apply_robot_file::known_link;
-use super::error::{FileError, RobotError};
 use super::model::{LinkId, Model};
+use super::robot_error::{FileError, RobotError};
 use super::robot_file::RobotFile;
 use crate::text::source::Source;
 
-/// Range of the resolution: fewer corners distort cylinders, more only cost time.
+/// Range of the resolution: fewer corners distort cylinders, more cost time without benefit.
 const RESOLUTION: RangeInclusive<u32> = 8..=128;
 
 /// Links that are checked for collisions with each other, and the resolution of their polyhedra.
@@ -32,7 +32,7 @@ impl Default for SelfCollision {
     }
 }
 
-/// Reads `[self_collision]`. A link that is welded to another is a part of that one.
+/// Reads `[self_collision]`. A link that is welded to another one is part of it.
 pub(super) fn read(file: &RobotFile, source: &Source, model: &Model) -> Result<SelfCollision, RobotError> {
     let mut settings = SelfCollision::default();
     let Some(entry) = &file.self_collision else { return Ok(settings) };

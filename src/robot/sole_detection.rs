@@ -1,5 +1,5 @@
-//! Detects the soles of a robot that names none: the lowest faces of its leaf links at the home posture, by their collision
-//! shapes, or by the visual shapes of a link without collision shapes.
+//! Detects the soles of a robot that names none: the lowest faces of its leaf links at the home
+//! posture, by their collision shapes, or by the visual shapes of a link without collision shapes.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -11,8 +11,8 @@ use crate::geometry::outline;
 use crate::geometry::spatial_hull::{convex_hull_3d, outermost, spread};
 use crate::text::source::Source;
 
-/// A leaf whose lowest point is within this fraction of the robot's height above the lowest one has a sole. Round shapes of
-/// one link within it form one sole.
+/// A leaf whose lowest point is within this fraction of the robot's height above the lowest one has
+/// a sole. Round shapes of one link within it form one sole.
 const STANDING: f64 = 0.02;
 /// A foot smaller than this fraction of the robot's height in all directions is a point.
 const POINT: f64 = 0.03;
@@ -22,15 +22,16 @@ const LINE: f64 = 0.01;
 const LEVEL: f64 = 0.87;
 /// Facets whose normals agree to this (cosine; about 1 degree) are one face.
 const SAME_FACE: f64 = 0.99985;
-/// Of more points than this only the outermost enter the hull, whose cost grows as the square of their number.
-const MOST_POINTS: usize = 10_000;
-/// Directions over the sphere along which outermost points are searched: 1.9 degrees apart, more than the angle within one
-/// face.
+/// Greatest number of points that all enter the hull; of more points only the outermost do. The
+/// cost of the hull grows as the square of their number.
+const MAX_POINTS: usize = 10_000;
+/// Directions over the sphere along which outermost points are searched: 1.9 degrees apart, more
+/// than the angle within one face.
 const DIRECTIONS: usize = 12_000;
 /// Corners of the prism that replaces a round sole.
-const ROUND: usize = 8;
-/// Most vertices of a sole: more have too many contact patterns.
-const MOST_VERTICES: usize = 8;
+const ROUND_CORNERS: usize = 8;
+/// Greatest number of vertices of a sole: more have too many contact patterns.
+const MAX_VERTICES: usize = 8;
 
 /// Adds the detected soles to the model, each with a notice.
 pub(super) fn find_soles(model: &mut Model, source: &Source, notices: &mut Notices) {
@@ -55,7 +56,7 @@ pub(super) fn find_soles(model: &mut Model, source: &Source, notices: &mut Notic
         let Foot { vertices, flattened } = foot(shapes_of(link), &poses[i], height);
         let name = link.name.clone();
         let back = link.urdf_frame.inverse();
-        let listed: Vec<String> = vertices.iter().map(|v| triple(&(back * Point3::from(*v)).coords)).collect();
+        let listed: Vec<String> = vertices.iter().map(|v| vector_text(&(back * Point3::from(*v)).coords)).collect();
         let by = if link.collisions.is_empty() { ", by its visual shapes" } else { "" };
         // Moves below a hundredth of a millimetre are rounding of mesh files.
         let moved = match flattened {
@@ -82,15 +83,17 @@ fn shapes_of(link: &Link) -> &[Shape] {
     if link.collisions.is_empty() { &link.visuals } else { &link.collisions }
 }
 
-fn triple(v: &Vector3<f64>) -> String {
-    // Rounding to the nanometre, and no minus before a zero.
-    let show = |x: f64| ((x * 1e9).round() / 1e9) + 0.0;
-    format!("[{}, {}, {}]", show(v.x), show(v.y), show(v.z))
+fn vector_text(v: &Vector3<f64>) -> String {
+    // Rounded to the nanometre; adding 0 turns -0 into 0.
+    let rounded = |x: f64| ((x * 1e9).round() / 1e9) + 0.0;
+    format!("[{}, {}, {}]", rounded(v.x), rounded(v.y), rounded(v.z))
 }
 
-/// Vertices in the link's internal frame, counter-clockwise seen from above, and how far the furthest was moved.
+/// A detected sole.
 struct Foot {
+    /// Vertices in the link's internal frame, counter-clockwise seen from above, m.
     vertices: Vec<Vector3<f64>>,
+    /// Greatest distance by which a vertex was moved onto the plane, m.
     flattened: f64,
 }
 
@@ -109,12 +112,12 @@ fn foot(shapes: &[Shape], pose: &Isometry3<f64>, height: f64) -> Foot {
     let face = if is_rolling { Some((points.clone(), up)) } else { down_face(&points, &-up).map(|(f, n)| (f, -n)) };
     let low = least(points.iter().map(level));
     let bottom = || -> Vec<Vector3<f64>> {
-        // Points as low as the lowest, to rounding.
+        // Points as low as the lowest up to rounding.
         points.iter().copied().filter(|p| level(p) <= low + 1e-9).collect()
     };
     let (vertices, normal) = face.unwrap_or_else(|| (bottom(), up));
     let mut outline = outline::convex_outline(&vertices, &up);
-    let (length, ends) = outline::longest(&outline);
+    let (length, ends) = outline::diameter(&outline);
     // Primitives are exact; the smallest facets of a mesh approximate a round surface.
     let is_mesh = matches!(first.geometry, Geometry::Mesh(..));
     if is_mesh && length < POINT * height {
@@ -124,13 +127,13 @@ fn foot(shapes: &[Shape], pose: &Isometry3<f64>, height: f64) -> Foot {
     if is_mesh && outline::width(&outline, &up) < LINE * height {
         outline = ends.to_vec();
     }
-    let mut vertices = outline::simplify(outline, MOST_VERTICES);
+    let mut vertices = outline::simplify(outline, MAX_VERTICES);
     let flattened = if vertices.len() > 3 { flatten(&mut vertices, &normal) } else { 0.0 };
     Foot { vertices, flattened }
 }
 
-/// Moves points along the plane's normal onto the plane through the outermost; returns the largest move. Points that are
-/// in a plane but for rounding stay.
+/// Moves points along the plane's normal onto the plane through the outermost one; returns the
+/// largest move. Points that are in a plane up to rounding stay.
 fn flatten(points: &mut [Vector3<f64>], normal: &Vector3<f64>) -> f64 {
     let size = points.iter().map(|p| (p - points[0]).norm()).fold(0.0, f64::max);
     let outermost = least(points.iter().map(|p| normal.dot(p)));
@@ -154,7 +157,8 @@ fn is_round(shape: &Shape, pose: &Isometry3<f64>) -> bool {
     }
 }
 
-/// Points among which the lowest of the shape are, in the link's internal frame; `pose` is the link's in the world.
+/// Points that include the lowest ones of the shape, in the link's internal frame; `pose` is that
+/// of the link in the world.
 fn extreme_points(shape: &Shape, pose: &Isometry3<f64>) -> Vec<Vector3<f64>> {
     let down = (pose.rotation * shape.pose.rotation).inverse() * -Vector3::z();
     let local: Vec<Vector3<f64>> = match &shape.geometry {
@@ -169,9 +173,9 @@ fn extreme_points(shape: &Shape, pose: &Isometry3<f64>) -> Vec<Vector3<f64>> {
             let side = Vector3::new(down.x, down.y, 0.0).normalize() * *radius;
             [-0.5, 0.5].iter().map(|s| Vector3::z() * (s * length) + side).collect()
         }
-        Geometry::Cylinder(radius, length) => (0..2 * ROUND)
+        Geometry::Cylinder(radius, length) => (0..2 * ROUND_CORNERS)
             .map(|i| {
-                let angle = std::f64::consts::TAU * ((i / 2) as f64 + 0.5) / ROUND as f64;
+                let angle = std::f64::consts::TAU * ((i / 2) as f64 + 0.5) / ROUND_CORNERS as f64;
                 let z = if i % 2 == 0 { -0.5 * length } else { 0.5 * length };
                 Vector3::new(radius * angle.cos(), radius * angle.sin(), z)
             })
@@ -181,13 +185,13 @@ fn extreme_points(shape: &Shape, pose: &Isometry3<f64>) -> Vec<Vector3<f64>> {
     local.into_iter().map(|p| (shape.pose * Point3::from(p)).coords).collect()
 }
 
-/// Vertices and outward normal of the largest face of the convex hull whose normal is close enough to `down`; none without
-/// such a face.
+/// Vertices and outward normal of the largest face of the convex hull whose normal is close enough
+/// to `down`; none without such a face.
 fn down_face(points: &[Vector3<f64>], down: &Vector3<f64>) -> Option<(Vec<Vector3<f64>>, Vector3<f64>)> {
     if let Some(normal) = common_normal(points, down) {
         return (normal.dot(down) >= LEVEL).then(|| (points.to_vec(), normal));
     }
-    let outer = if points.len() > MOST_POINTS { outermost(points, &below(down)) } else { points.to_vec() };
+    let outer = if points.len() > MAX_POINTS { outermost(points, &sole_directions(down)) } else { points.to_vec() };
     let outer: Vec<Point3<f64>> = outer.into_iter().map(Point3::from).collect();
     let (hull, triangles) = convex_hull_3d(&outer)?;
     let area = |t: &[u32; 3]| {
@@ -206,7 +210,7 @@ fn down_face(points: &[Vector3<f64>], down: &Vector3<f64>) -> Option<(Vec<Vector
     };
     let sizes: Vec<f64> = facing.iter().map(|(_, _, normal)| size_about(normal)).collect();
     let largest = sizes.iter().copied().fold(0.0, f64::max);
-    // Among faces that are equal but for rounding the most level one.
+    // The most level one among faces that are equal up to rounding.
     let best = facing
         .iter()
         .zip(&sizes)
@@ -217,15 +221,15 @@ fn down_face(points: &[Vector3<f64>], down: &Vector3<f64>) -> Option<(Vec<Vector
     Some((same().flat_map(|(t, _, _)| t.map(|i| hull[i as usize].coords)).collect(), normal))
 }
 
-/// Directions of possible sole normals, and some over the whole sphere, so that the hull has volume.
-fn below(down: &Vector3<f64>) -> Vec<Vector3<f64>> {
+/// Directions of possible sole normals, and some over the whole sphere so that the hull has volume.
+fn sole_directions(down: &Vector3<f64>) -> Vec<Vector3<f64>> {
     // The normal of a facet is between the directions of its corners.
     let near = |d: &Vector3<f64>| d.dot(down) >= LEVEL - 0.02;
     let dense = spread(DIRECTIONS).into_iter().filter(near);
     dense.chain(spread(mesh_simplification::DIRECTIONS)).collect()
 }
 
-/// The normal, turned along `down`, of points that lie in one plane: a flat mesh has no convex hull.
+/// The normal, towards `down`, of points in one plane: a flat mesh has no convex hull.
 fn common_normal(points: &[Vector3<f64>], down: &Vector3<f64>) -> Option<Vector3<f64>> {
     let first = points.first()?;
     let far = points.iter().map(|p| p - first).max_by(|a, b| a.norm().total_cmp(&b.norm()))?;

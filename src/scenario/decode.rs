@@ -1,7 +1,7 @@
 //! Deserializes a [`Node`] to a typed value, with the span and the path of each error.
 //!
-//! serde's errors carry text only. [`DecodeError`] also has the span of the key or value, its dotted path and a help line.
-//! Its messages follow the path: "`floor.friction` must be ...".
+//! serde's errors carry text only. [`DecodeError`] also has the span of the key or value, its
+//! dotted path and a help line. Its messages follow the path: "`floor.friction` must be ...".
 
 use std::fmt;
 
@@ -23,10 +23,11 @@ use crate::text::toml_tree::{Entry, Node, Value};
 pub struct DecodeError {
     span: Option<Span>,
     path: Vec<String>,
-    what: String,
+    /// What is wrong, as a predicate of the path.
+    message: String,
     help: Option<String>,
-    /// The message names its own subject and needs no path before it.
-    whole: bool,
+    /// The message names its subject, so that no path precedes it.
+    names_subject: bool,
 }
 
 impl DecodeError {
@@ -41,8 +42,8 @@ impl DecodeError {
         self
     }
 
-    fn predicate(what: impl Into<String>, help: Option<String>) -> Self {
-        DecodeError { span: None, path: Vec::new(), what: what.into(), help, whole: false }
+    fn predicate(message: impl Into<String>, help: Option<String>) -> Self {
+        DecodeError { span: None, path: Vec::new(), message: message.into(), help, names_subject: false }
     }
 
     /// Reports the error; its path is relative to `prefix`.
@@ -53,11 +54,11 @@ impl DecodeError {
         // A key with a dot in it, such as a swept path, stays one key.
         let quoted = |key: &String| if key.contains('.') { format!("{key:?}") } else { key.clone() };
         let path = self.path.iter().map(quoted).collect::<Vec<_>>().join(".");
-        let message = match (self.whole, path.is_empty()) {
-            (true, true) => self.what,
-            (true, false) => format!("{} in `{path}`", self.what),
-            (false, true) => format!("the scenario {}", self.what),
-            (false, false) => format!("`{path}` {}", self.what),
+        let message = match (self.names_subject, path.is_empty()) {
+            (true, true) => self.message,
+            (true, false) => format!("{} in `{path}`", self.message),
+            (false, true) => format!("the scenario {}", self.message),
+            (false, false) => format!("`{path}` {}", self.message),
         };
         findings.error(self.span.unwrap_or(0..0), message, self.help);
     }
@@ -65,7 +66,7 @@ impl DecodeError {
 
 impl fmt::Display for DecodeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.what)
+        f.write_str(&self.message)
     }
 }
 
@@ -76,7 +77,7 @@ impl de::Error for DecodeError {
     fn custom<T: fmt::Display>(message: T) -> Self {
         let text = message.to_string();
         match text.split_once('\n') {
-            Some((what, help)) => Self::predicate(what, Some(help.to_owned())),
+            Some((message, help)) => Self::predicate(message, Some(help.to_owned())),
             None => Self::predicate(text, None),
         }
     }
@@ -84,8 +85,8 @@ impl de::Error for DecodeError {
     fn invalid_type(found: Unexpected<'_>, expected: &dyn Expected) -> Self {
         let expected = toml_name(expected);
         let help = match found {
-            // `1.0` is a whole number but has the wrong type.
-            Unexpected::Float(x) if expected.starts_with(WHOLE) && x.fract() == 0.0 && x.abs() < 1e15 => {
+            // `1.0` is a float although it is a whole number.
+            Unexpected::Float(x) if expected.starts_with(WHOLE_NUMBER) && x.fract() == 0.0 && x.abs() < 1e15 => {
                 Some(format!("write it without a decimal point: {x}"))
             }
             _ => None,
@@ -95,8 +96,8 @@ impl de::Error for DecodeError {
 
     fn invalid_value(found: Unexpected<'_>, expected: &dyn Expected) -> Self {
         match (greatest(expected), found) {
-            (Some(most), Unexpected::Signed(seen)) if seen > most => {
-                Self::predicate(format!("must be at most {most}, not {seen}"), None)
+            (Some(max), Unexpected::Signed(number)) if number > max => {
+                Self::predicate(format!("must be at most {max}, not {number}"), None)
             }
             (_, found) => Self::invalid_type(found, expected),
         }
@@ -113,7 +114,7 @@ impl de::Error for DecodeError {
 
     fn unknown_field(found: &str, known: &'static [&'static str]) -> Self {
         let help = suggest::help(found, known.iter().copied());
-        DecodeError { whole: true, ..Self::predicate(format!("unknown key `{found}`"), Some(help)) }
+        DecodeError { names_subject: true, ..Self::predicate(format!("unknown key `{found}`"), Some(help)) }
     }
 
     fn missing_field(field: &'static str) -> Self {
@@ -125,10 +126,11 @@ impl de::Error for DecodeError {
     }
 }
 
-/// How [`toml_name`] begins to name whole numbers.
-const WHOLE: &str = "a whole number";
+/// Beginning of [`toml_name`]'s names of whole numbers.
+const WHOLE_NUMBER: &str = "a whole number";
 
-/// The greatest number of a type, by serde's name for it, where TOML has greater ones.
+/// The greatest number of an integer type, by serde's name of the type, where TOML has greater
+/// ones.
 fn greatest(expected: &dyn Expected) -> Option<i64> {
     match expected.to_string().as_str() {
         "u8" => Some(u8::MAX.into()),
@@ -138,13 +140,13 @@ fn greatest(expected: &dyn Expected) -> Option<i64> {
     }
 }
 
-/// serde names Rust types; a user knows TOML's.
+/// TOML's name of an expected type, for which serde gives the Rust type.
 fn toml_name(expected: &dyn Expected) -> String {
     let text = expected.to_string();
     match text.as_str() {
         "f64" => "a number".into(),
-        "u64" | "u32" | "u8" | "usize" => format!("{WHOLE} that is not negative"),
-        "i64" | "i32" => WHOLE.into(),
+        "u64" | "u32" | "u8" | "usize" => format!("{WHOLE_NUMBER} that is not negative"),
+        "i64" | "i32" => WHOLE_NUMBER.into(),
         "a map" => "a table".into(),
         "a sequence" => "an array".into(),
         _ if text.starts_with("struct ") => "a table".into(),
@@ -154,7 +156,7 @@ fn toml_name(expected: &dyn Expected) -> String {
 
 fn describe(found: &Unexpected<'_>) -> String {
     match found {
-        // As it is written: a whole one keeps its point.
+        // Debug format: whole numbers keep their decimal point.
         Unexpected::Float(x) => format!("the number {x:?}"),
         Unexpected::Signed(n) => format!("the number {n}"),
         Unexpected::Unsigned(n) => format!("the number {n}"),
@@ -177,10 +179,11 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
         match &self.0.value {
             Value::String(text) => visitor.visit_borrowed_str(text),
             Value::Datetime(time) => {
-                // serde has no dates. The error is created first, since reading consumes the visitor.
-                let seen = format!("the date or time {time}");
-                let refused = de::Error::invalid_type(Unexpected::Other(&seen), &visitor);
-                visitor.visit_borrowed_str(time).map_err(|_: DecodeError| refused)
+                // serde has no dates. The error is created first, since reading consumes the
+                // visitor.
+                let found = format!("the date or time {time}");
+                let error = de::Error::invalid_type(Unexpected::Other(&found), &visitor);
+                visitor.visit_borrowed_str(time).map_err(|_: DecodeError| error)
             }
             Value::Integer(number) => visitor.visit_i64(*number),
             Value::Float(number) => visitor.visit_f64(*number),
@@ -192,9 +195,9 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
                     if access.next == items.len() {
                         return Ok(value);
                     }
-                    let (has, expected) = (items.len(), access.next);
+                    let (length, expected) = (items.len(), access.next);
                     Err(DecodeError::predicate(
-                        format!("must be an array of length {expected}, not of length {has}"),
+                        format!("must be an array of length {expected}, not of length {length}"),
                         None,
                     ))
                 })
@@ -218,7 +221,7 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
         _: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, DecodeError> {
-        // serde would read a struct from an array by position, which is unclear to a reader of the file.
+        // serde would read a struct from an array by position, which is unclear in a file.
         match self.0.value {
             Value::Array(_) => Err(DecodeError::predicate("must be a table, not an array", None).at(&self.0.span)),
             _ => self.deserialize_any(visitor),

@@ -1,7 +1,8 @@
 //! The scenario of a run after each of its events.
 //!
-//! The values of `[[event]]` are set in the scenario one event after the other, and the scenario is read again each time.
-//! So all errors are found before the run starts and are shown at the event.
+//! The values of each `[[event]]` are set in the scenario in order of time, and the scenario is
+//! read again after each. All errors are thus found before the run starts, and are shown at the
+//! event.
 
 use super::run::Run;
 use super::scenario::{self, Scenario};
@@ -36,8 +37,8 @@ pub struct Event {
     pub restore: Option<String>,
 }
 
-/// The events of a run in order of time; none with an error, which goes to `findings`.
-pub(super) fn of(run: &Run, sources: &Sources, findings: &mut Findings) -> Option<Vec<Event>> {
+/// The events of a run in order of time; `None` after an error, which goes to `findings`.
+pub(super) fn read(run: &Run, sources: &Sources, findings: &mut Findings) -> Option<Vec<Event>> {
     let mut order: Vec<usize> = (0..run.scenario.event.len()).collect();
     order.sort_by(|&a, &b| run.scenario.event[a].at.total_cmp(&run.scenario.event[b].at));
     let mut root = run.origin.tree();
@@ -45,11 +46,11 @@ pub(super) fn of(run: &Run, sources: &Sources, findings: &mut Findings) -> Optio
     let mut events = Vec::with_capacity(order.len());
     for index in order {
         let spec = &run.scenario.event[index];
-        let given = root.get("event").and_then(|all| all.items().get(index)).and_then(|event| event.get("set"));
-        let entries = given.map_or(&[][..], Node::entries).to_vec();
+        let values = root.get("event").and_then(|all| all.items().get(index)).and_then(|event| event.get("set"));
+        let entries = values.map_or(&[][..], Node::entries).to_vec();
         let mut paths: Vec<KeyPath> = Vec::new();
         for entry in &entries {
-            match put(entry, &paths, &mut root, sources) {
+            match set_value(entry, &paths, &mut root, sources) {
                 Ok(path) => {
                     after.origin.add(&path, &entry.node);
                     paths.push(path);
@@ -89,7 +90,7 @@ fn dotted(path: &KeyPath) -> String {
 type EventError = (Span, String, Option<String>);
 
 /// Sets one value of an event in the scenario.
-fn put(entry: &Entry, earlier: &[KeyPath], root: &mut Node, sources: &Sources) -> Result<KeyPath, EventError> {
+fn set_value(entry: &Entry, earlier: &[KeyPath], root: &mut Node, sources: &Sources) -> Result<KeyPath, EventError> {
     let path = KeyPath::parse(&entry.key, &entry.key_span, sources).map_err(|e| (e.span, e.message, None))?;
     let segments: Vec<&str> = path.segments.iter().map(|s| s.0.as_str()).collect();
     let refuse = |message: String, help: &str| Err((entry.key_span.clone(), message, Some(help.to_owned())));
@@ -103,7 +104,7 @@ fn put(entry: &Entry, earlier: &[KeyPath], root: &mut Node, sources: &Sources) -
     if earlier.iter().any(|other| other.overlaps(&path)) {
         return refuse(format!("`{}` overlaps another key of the event", entry.key), "give it once");
     }
-    let whole = whole(&path);
+    let whole = whole_value(&path);
     let help = whole.as_ref().map(|whole| format!("set the whole: \"{0}\" = ...", dotted(whole)));
     if let Some(whole) = whole.filter(|whole| whole.get(root).is_none()) {
         let message = format!("the file has no `{0}`, whose default has no `{1}` to set", dotted(&whole), entry.key);
@@ -113,8 +114,9 @@ fn put(entry: &Entry, earlier: &[KeyPath], root: &mut Node, sources: &Sources) -
     Ok(path)
 }
 
-/// The whole value of which the path sets a part, where the file may have another form of it or none.
-fn whole(path: &KeyPath) -> Option<KeyPath> {
+/// The path of the whole value if the path sets a part of a value that the file may lack or write
+/// in another form.
+fn whole_value(path: &KeyPath) -> Option<KeyPath> {
     let names: Vec<&str> = path.segments.iter().map(|s| s.0.as_str()).collect();
     let length = match names[..] {
         ["gravity", _, ..] => 1,
@@ -122,7 +124,7 @@ fn whole(path: &KeyPath) -> Option<KeyPath> {
         ["robot", "joint", _, "friction", _, ..] => 4,
         _ => return None,
     };
-    Some(path.first(length))
+    Some(path.prefix(length))
 }
 
 /// True when an event may set this path.
@@ -132,7 +134,7 @@ fn may_change(path: &[&str]) -> bool {
         ["robot", "payload", ..] | ["robot", "joint_default", "kp" | "kd"] => true,
         ["robot", "joint", _, "kp" | "kd" | "effort" | "velocity" | "armature"] => true,
         ["robot", "joint", _, "friction", ..] => true,
-        // Another type, or another file, is another force.
+        // Another type or file would be another force.
         ["force", _, key, ..] => !matches!(*key, "type" | "file"),
         _ => false,
     }

@@ -19,11 +19,11 @@ use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::text::source::{Sources, Span};
 use crate::text::toml_tree::Node;
 
-/// Errors after which an expansion gives up.
+/// Number of errors after which an expansion stops.
 const MAX_ERRORS: usize = 50;
 
-/// Repetitions that share one pass over their values.
-const AT_ONCE: u32 = 64;
+/// Number of repetitions that are created in one pass over their values.
+const REPETITIONS_PER_PASS: u32 = 64;
 
 /// A file with its overrides and its sweep; creates each run by its number.
 pub struct Expansion {
@@ -65,13 +65,13 @@ impl Expansion {
         &self.file
     }
 
-    /// How many runs there are.
+    /// Number of runs.
     pub fn runs(&self) -> usize {
         self.grid.runs()
     }
 
-    /// Creates each run in order and passes it to `consume`. A warning that several runs share is reported with the first of
-    /// them. Returns the warnings about the file as a whole.
+    /// Creates each run in order and passes it to `consume`. A warning that several runs share is
+    /// reported with the first of them. Returns the warnings about the file as a whole.
     ///
     /// # Errors
     /// The errors of all runs.
@@ -79,13 +79,17 @@ impl Expansion {
         let mut findings = Findings::default();
         let mut unused = UnusedParameters::default();
         let repeat = self.grid.repeat;
-        let parts = |cell| (0..repeat).step_by(AT_ONCE as usize).map(move |at| (cell, at..repeat.min(at + AT_ONCE)));
+        let parts = |cell| {
+            (0..repeat)
+                .step_by(REPETITIONS_PER_PASS as usize)
+                .map(move |at| (cell, at..repeat.min(at + REPETITIONS_PER_PASS)))
+        };
         for (cell, repetitions) in (0..self.grid.cells()).flat_map(parts) {
-            let made = self.cell(cell, repetitions, &mut findings);
+            let runs = self.cell(cell, repetitions, &mut findings);
             if findings.errors() >= MAX_ERRORS {
                 break;
             }
-            for run in made.unwrap_or_default() {
+            for run in runs.unwrap_or_default() {
                 unused.check(&run);
                 consume(run);
             }
@@ -93,7 +97,7 @@ impl Expansion {
         if findings.has_errors() { Err(findings.into_diagnostics(&self.sources)) } else { Ok(unused.warnings()) }
     }
 
-    /// One run by its number, from 0; none when there is no such run or it has an error.
+    /// One run by its number, from 0; `None` if there is no such run or it has an error.
     pub fn run(&self, number: usize) -> Option<Run> {
         let repeat = self.grid.repeat.max(1);
         let repetition = (number % repeat as usize) as u32;
@@ -101,7 +105,8 @@ impl Expansion {
         runs?.pop().filter(|_| number < self.runs())
     }
 
-    /// Some repetitions of a combination of values; none with an error, which goes to `findings`.
+    /// Some repetitions of a combination of values; `None` after an error, which goes to
+    /// `findings`.
     fn cell(&self, number: usize, repetitions: Range<u32>, findings: &mut Findings) -> Option<Vec<Run>> {
         let (sources, cell) = (&self.sources, self.grid.cell(number));
         let swept = cell.values();
@@ -117,13 +122,13 @@ impl Expansion {
         found.explain(|span| replaced_position(span, &swept, &self.base, sources));
         let mut warnings = findings.append(found).into_diagnostics(sources);
         let mut reference = Reference::read(&root, sources, findings);
-        let of_reference = reference.as_mut().map(|r| std::mem::take(&mut r.warnings)).unwrap_or_default();
-        warnings.0.extend(of_reference.into_diagnostics(sources).0);
+        let reference_warnings = reference.as_mut().map(|r| std::mem::take(&mut r.warnings)).unwrap_or_default();
+        warnings.0.extend(reference_warnings.into_diagnostics(sources).0);
         let scenario = scenario?;
-        let (inputs, of_reference) = {
+        let (inputs, reference_inputs) = {
             let mut files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
-            let mut of = |scenario: &Scenario| files.of(scenario, &self.file.path, &root, findings);
-            (of(&scenario), reference.as_ref().map(|r| of(&r.scenario)).unwrap_or_default())
+            let mut read = |scenario: &Scenario| files.read(scenario, &self.file.path, &root, findings);
+            (read(&scenario), reference.as_ref().map(|r| read(&r.scenario)).unwrap_or_default())
         };
         let parts = CellParts { expansion: self, root: &root, swept: &swept };
         let mut runs = Vec::new();
@@ -135,7 +140,7 @@ impl Expansion {
                 Some(reference) => {
                     let by = if reference.fixes_seed() { 0 } else { repetition };
                     let scenario = seeded(&reference.scenario, by);
-                    let (run, _) = parts.run(index, scenario, &of_reference, &reference.values, findings)?;
+                    let (run, _) = parts.run(index, scenario, &reference_inputs, &reference.values, findings)?;
                     Some(Box::new(run))
                 }
                 None => None,
@@ -148,7 +153,7 @@ impl Expansion {
     }
 }
 
-/// What all runs of a cell share.
+/// Data that all runs of a cell share.
 struct CellParts<'a> {
     expansion: &'a Expansion,
     root: &'a Node,
@@ -185,8 +190,8 @@ impl CellParts<'_> {
                         reported: Arc::default(),
                     },
                 };
-                // Their errors go to the findings, and the run is dropped.
-                run.events = events::of(&run, sources, findings).unwrap_or_default();
+                // With errors among the findings the run is dropped.
+                run.events = events::read(&run, sources, findings).unwrap_or_default();
                 Some((run, table))
             }
             Err(error) => {
@@ -236,11 +241,11 @@ fn replaced_position(span: &Span, swept: &[(KeyPath, Node)], base: &Node, source
     let (path, _) =
         swept.iter().find(|(path, value)| within(&value.span) || path.segments.iter().any(|s| within(&s.1)))?;
     let name = |count: usize| path.segments[..count].iter().map(|s| s.0.as_str()).collect::<Vec<_>>().join(".");
-    let there = (1..=path.segments.len()).rev().find(|count| path.first(*count).get(base).is_some());
-    let Some(count) = there else {
+    let existing = (1..=path.segments.len()).rev().find(|count| path.prefix(*count).get(base).is_some());
+    let Some(count) = existing else {
         return Some(format!("the file itself has no `{}`", name(1)));
     };
-    let (key, value) = path.first(count).locate(base);
+    let (key, value) = path.prefix(count).locate(base);
     let location = Diagnostic::error(sources, &key, "", None).location();
     // The error of an overridden key already shows its only position.
     let is_same = within(&value);

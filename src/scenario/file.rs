@@ -1,4 +1,4 @@
-//! Scenario files: reading, and what belongs to the file rather than to a run.
+//! Scenario files: reading, name, and paths relative to the file.
 
 use std::{
     path::{Path, PathBuf},
@@ -12,11 +12,11 @@ use crate::text::diagnostic::{Diagnostic, Diagnostics};
 use crate::text::source::Sources;
 use crate::text::toml_tree::Node;
 
-/// A scenario file with valid TOML. Its values are checked by [`ScenarioFile::expand`], since overrides and sweeps
-/// may change any of them.
+/// A scenario file with valid TOML. Its values are checked by [`ScenarioFile::expand`], since
+/// overrides and sweeps may change any of them.
 #[derive(Clone, Debug)]
 pub struct ScenarioFile {
-    /// As it was named.
+    /// Path as the user gave it.
     pub path: PathBuf,
     /// Its text.
     pub text: String,
@@ -27,13 +27,13 @@ pub struct ScenarioFile {
 /// Reads a scenario file.
 ///
 /// # Errors
-/// The file cannot be read, is not UTF-8 or not TOML, holds a number that is not finite, or is of another format
-/// version. All errors that can be found are reported.
+/// The file cannot be read, is not UTF-8, is not TOML, holds a number that is not finite, or has
+/// another format version. All errors that can be found are reported.
 pub fn load(path: &Path) -> Result<ScenarioFile, Diagnostics> {
     let name = path.display().to_string();
     check_name(path)?;
     let bytes = input::read(path, input::MOST_TEXT)
-        .map_err(|error| Diagnostic::whole_file(&name, format!("cannot read it: {error}")))?;
+        .map_err(|error| Diagnostic::whole_file(&name, format!("cannot read the file: {error}")))?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let mut sources = Sources::default();
@@ -43,7 +43,8 @@ pub fn load(path: &Path) -> Result<ScenarioFile, Diagnostics> {
     parse(path, text)
 }
 
-/// Parses a scenario from a text. Diagnostics name `path`, and relative paths start from its folder.
+/// Parses a scenario from a text. Diagnostics name `path`, and relative paths start from its
+/// folder.
 ///
 /// # Errors
 /// See [`load`].
@@ -64,12 +65,11 @@ pub fn parse(path: &Path, text: impl Into<String>) -> Result<ScenarioFile, Diagn
     Ok(ScenarioFile { path: path.to_owned(), text, sources, root: Arc::new(root) })
 }
 
-/// Refuses names that cannot name a folder of results.
+/// Refuses file names that cannot name a folder of results.
 fn check_name(path: &Path) -> Result<(), Diagnostics> {
     match path.file_stem() {
         Some(stem) if stem == "." || stem == ".." => {
-            let message =
-                "its name without `.toml` is that of its folder of results, and this one would lead elsewhere";
+            let message = "its name without `.toml` names its folder of results and cannot be `.` or `..`";
             Err(Diagnostic::whole_file(path.display().to_string(), message).into())
         }
         _ => Ok(()),
@@ -82,12 +82,9 @@ impl ScenarioFile {
         self.path.file_stem().map_or_else(|| "scenario".into(), |stem| stem.to_string_lossy().into_owned())
     }
 
-    /// The file as a plain TOML table, sweep and all, without defaults.
+    /// The file as a plain TOML table, sweep included, without defaults.
     pub fn table(&self) -> toml::Table {
-        match self.root.to_toml() {
-            toml::Value::Table(table) => table,
-            _ => toml::Table::new(),
-        }
+        self.root.to_table()
     }
 
     /// Resolves a path written in this file, relative to the file's folder.

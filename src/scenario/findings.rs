@@ -4,16 +4,18 @@ use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::text::source::{Sources, Span};
 use crate::text::toml_syntax::TomlError;
 
-/// Errors and warnings of a scenario. At one span only the first finding counts, since later ones follow from it.
+/// Errors and warnings of a scenario. At one span only the first finding counts, since later ones
+/// follow from it.
 #[derive(Default)]
 pub struct Findings {
     found: Vec<(Span, Severity, String, Option<String>)>,
-    /// Errors beyond the most that are kept.
+    /// Number of errors beyond [`MAX_FINDINGS`].
     more: usize,
 }
 
-/// Findings that are kept; each is rendered with an excerpt, and more are only counted.
-const MOST_FOUND: usize = 200;
+/// Greatest number of findings kept, each of which is rendered with an excerpt. Further errors are
+/// only counted.
+const MAX_FINDINGS: usize = 200;
 
 impl Findings {
     pub fn error(&mut self, span: Span, message: impl Into<String>, help: Option<String>) {
@@ -33,7 +35,7 @@ impl Findings {
 
     fn add(&mut self, severity: Severity, span: Span, message: String, help: Option<String>) -> bool {
         let new = !self.found.iter().any(|(s, v, _, _)| *s == span && *v >= severity);
-        if new && self.found.len() == MOST_FOUND {
+        if new && self.found.len() == MAX_FINDINGS {
             self.more += usize::from(severity == Severity::Error);
             return false;
         }
@@ -60,7 +62,7 @@ impl Findings {
         new
     }
 
-    /// Extends the help of each finding by what `more` returns for its span.
+    /// Extends the help of each finding by the text that `more` returns for its span.
     pub fn explain(&mut self, more: impl Fn(&Span) -> Option<String>) {
         for (span, _, _, help) in &mut self.found {
             if let Some(more) = more(span) {

@@ -1,9 +1,11 @@
 //! Files that a scenario names, such as motions and scripts.
 //!
-//! They are read when the scenario is expanded, so that a run's key, its records and its simulation use the same bytes.
+//! They are read when the scenario is expanded, so that a run's key, its records and its simulation
+//! use the same bytes.
 
 use std::{
     collections::HashMap,
+    io,
     path::{Path, PathBuf},
     sync::Arc,
 };
@@ -36,22 +38,23 @@ impl Input {
 /// The files read so far, each read once.
 #[derive(Default)]
 pub(super) struct Files {
-    read: HashMap<PathBuf, Result<Arc<[u8]>, String>>,
+    read: HashMap<PathBuf, Result<Arc<[u8]>, io::Error>>,
 }
 
 impl Files {
-    /// The files of one run of the scenario file `file`. A file that cannot be read is an error where `root` names it.
-    pub fn of(&mut self, scenario: &Scenario, file: &Path, root: &Node, findings: &mut Findings) -> Vec<Input> {
+    /// Reads the files of one run of the scenario file `file`. A file that cannot be read is an
+    /// error at the value of `root` that names it.
+    pub fn read(&mut self, scenario: &Scenario, file: &Path, root: &Node, findings: &mut Findings) -> Vec<Input> {
         let mut inputs = Vec::new();
-        for (key, written) in named(scenario) {
+        for (key, written) in named_files(scenario) {
             let path = resolve(file, Path::new(written));
-            let read = self.read.entry(path.clone()).or_insert_with_key(|path| match input::read(path, MOST_DATA) {
-                Ok(bytes) => Ok(bytes.into()),
-                Err(error) => Err(format!("cannot read {}: {error}", path.display())),
-            });
-            match read {
+            let bytes = self.read.entry(path.clone());
+            match bytes.or_insert_with_key(|path| input::read(path, MOST_DATA).map(Arc::from)) {
                 Ok(bytes) => inputs.push(Input { key, path, bytes: bytes.clone() }),
-                Err(message) => findings.error(KeyPath::internal(&key).locate(root).1, message.clone(), None),
+                Err(error) => {
+                    let message = format!("cannot read {}: {error}", path.display());
+                    findings.error(KeyPath::internal(&key).locate(root).1, message, None);
+                }
             }
         }
         inputs
@@ -59,7 +62,7 @@ impl Files {
 }
 
 /// Dotted paths of the values that name files, and these names as written.
-fn named(scenario: &Scenario) -> impl Iterator<Item = (String, &str)> {
+fn named_files(scenario: &Scenario) -> impl Iterator<Item = (String, &str)> {
     let tasks = scenario.task.iter().enumerate();
     let forces = scenario.force.iter().enumerate();
     let of_tasks = tasks.filter_map(|(i, task)| Some((format!("task.{i}.file"), task.file()?)));

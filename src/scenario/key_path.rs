@@ -1,11 +1,11 @@
-//! Dotted paths into a scenario, `floor.friction` or `force.0.force`, as sweeps and overrides use them.
+//! Dotted paths into a scenario, `floor.friction` or `force.0.force`, as sweeps and overrides use
+//! them.
 //!
 //! A path is written like a dotted key of TOML, so a name that contains a dot is quoted.
 
 use toml::de::{DeTable, DeValue};
 
 use crate::text::source::{Sources, Span};
-use crate::text::toml_syntax;
 use crate::text::toml_tree::{Entry, Node, Value};
 
 /// A path whose segments have spans.
@@ -29,7 +29,7 @@ impl KeyPath {
         }
         let document = format!("{text} = 0");
         let table = DeTable::parse(&document).map_err(|_| bad())?;
-        // With escapes inside quotes offsets differ, and each segment gets the whole span.
+        // If escapes in quotes shift the offsets, each segment gets the whole span.
         let origin = sources.slice(span).find(text).map(|i| span.start + i);
         let shifted = |at: Span| origin.map_or_else(|| span.clone(), |o| o + at.start..o + at.end);
         let mut segments = Vec::new();
@@ -53,12 +53,12 @@ impl KeyPath {
     }
 
     /// Its first segments.
-    pub fn first(&self, count: usize) -> KeyPath {
+    pub fn prefix(&self, count: usize) -> KeyPath {
         KeyPath { segments: self.segments[..count].to_vec() }
     }
 
     /// True when both lead to the same value.
-    pub fn is(&self, other: &KeyPath) -> bool {
+    pub fn equals(&self, other: &KeyPath) -> bool {
         self.segments.len() == other.segments.len() && self.overlaps(other)
     }
 
@@ -66,10 +66,10 @@ impl KeyPath {
     pub fn set(&self, root: &mut Node, value: Node) -> Result<(), PathError> {
         let mut node = root;
         let last = self.segments.len() - 1;
-        let mut done: Vec<&str> = Vec::new();
+        let mut passed: Vec<&str> = Vec::new();
         for (i, (key, span)) in self.segments.iter().enumerate() {
             let fail = |message: String| PathError { span: span.clone(), message };
-            let here = done.join(".");
+            let here = passed.join(".");
             node = match &mut node.value {
                 Value::Array(items) => {
                     let length = items.len();
@@ -85,9 +85,9 @@ impl KeyPath {
                     let at = match entries.iter().position(|e| e.key == *key) {
                         Some(at) => at,
                         None => {
-                            // The file has no such array, and one element would leave the others undefined.
+                            // The other entries of a new array would be undefined.
                             if let Some(next) = self.segments.get(i + 1).filter(|s| s.0.parse::<usize>().is_ok()) {
-                                let array = done.iter().copied().chain([key.as_str()]).collect::<Vec<_>>().join(".");
+                                let array = passed.iter().copied().chain([key.as_str()]).collect::<Vec<_>>().join(".");
                                 let index = &next.0;
                                 return Err(fail(format!("there is no `{array}.{index}`: the file has no `{array}`")));
                             }
@@ -100,7 +100,7 @@ impl KeyPath {
                 }
                 other => return Err(fail(format!("`{here}` is {other} and has no `{key}`"))),
             };
-            done.push(key);
+            passed.push(key);
             if i == last {
                 *node = value;
                 return Ok(());
@@ -141,11 +141,6 @@ impl KeyPath {
             node = child;
         }
         found
-    }
-
-    /// A name as a segment of a path, quoted unless it is a bare key.
-    pub fn segment(name: &str) -> String {
-        toml_syntax::segment(name)
     }
 
     /// A path that the program itself writes, without a span.

@@ -1,4 +1,4 @@
-//! Scenario files: from TOML to runs in which every value is decided.
+//! Reads scenario files: from TOML to runs in which every value is set.
 //!
 //! ```text
 //! file -> TOML tree with positions -> overrides -> sweep -> Scenario (typed, checked) -> Run
@@ -7,8 +7,11 @@
 //! [`load`] reads a file and [`ScenarioFile::expand`] gives its [`Run`]s. Errors come back as
 //! [`Diagnostics`] with file, line, column, an excerpt and a suggestion.
 //!
-//! Imports `text`, `files`, `geometry`, `random` and `metrics`. Reads the files that a scenario names, but opens no robot file and
-//! simulates nothing. `assemble` and `batch` call it.
+//! Reads the files that a scenario names, but opens no robot file and simulates nothing. `assemble`
+//! and `batch` call it.
+//!
+//! Imports: `text`, `geometry`, `random`, `files`, `metrics`, `contact`. Used by: `assemble`,
+//! `batch`, `replay`, `console`, `api`, `cli`.
 
 mod checks;
 mod decode;
@@ -29,6 +32,7 @@ mod sweep;
 
 pub use crate::metrics::METRICS;
 pub use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
+pub(crate) use crate::text::toml_syntax::segment;
 pub use checks::host_and_port;
 pub use events::Event;
 pub use expansion::Expansion;
@@ -66,9 +70,4 @@ pub use overrides::{OverrideError, parse_override};
 pub use run::{DEFAULT_MAX_RUNS, Origin, Run};
 pub use run_key::key;
 pub use scenario::{FORMAT, Scenario, schema};
-pub use sweep::MOST_RUNS_EVER;
-
-/// A name as a segment of a dotted path; in quotes unless it is a bare key.
-pub(crate) fn segment(name: &str) -> String {
-    key_path::KeyPath::segment(name)
-}
+pub use sweep::MAX_BATCH_RUNS;

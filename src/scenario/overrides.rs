@@ -2,9 +2,9 @@
 
 use super::key_path::{KeyPath, PathError};
 use crate::scenario::findings::Findings;
+use crate::scenario::segment;
 use crate::text::source::Sources;
-use crate::text::toml_tree;
-use crate::text::toml_tree::Node;
+use crate::text::toml_tree::{self, Node};
 
 /// Why a `KEY=VALUE` cannot be read.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
@@ -15,7 +15,7 @@ pub enum OverrideError {
     /// Nothing precedes the `=`.
     #[error("`{0}` has no key before the `=`")]
     NoKey(String),
-    /// The value begins like a TOML string, array or table and is none.
+    /// The value begins like a TOML string, array or table but is not valid.
     #[error("`{0}` is not a TOML value")]
     Value(String),
 }
@@ -26,8 +26,8 @@ impl From<OverrideError> for String {
     }
 }
 
-/// Reads `KEY=VALUE`, the key a dotted path and the value as in TOML. A value that is not TOML is taken as a string, so
-/// that `contact.method=one-step` needs no quotes.
+/// Reads `KEY=VALUE`, the key a dotted path and the value as in TOML. A value that is not TOML is
+/// taken as a string, so that `contact.method=one-step` needs no quotes.
 ///
 /// # Errors
 /// See [`OverrideError`].
@@ -39,7 +39,7 @@ pub fn parse_override(text: &str) -> Result<(String, toml::Value), OverrideError
     }
     let parsed = format!("value = {value}").parse::<toml::Table>().ok().and_then(|mut t| {
         let value = t.remove("value");
-        if t.is_empty() { value } else { None }
+        value.filter(|_| t.is_empty())
     });
     match parsed {
         Some(value) => Ok((key.to_owned(), value)),
@@ -48,8 +48,8 @@ pub fn parse_override(text: &str) -> Result<(String, toml::Value), OverrideError
     }
 }
 
-/// Sets overrides in a scenario's tree, the later of one key over the earlier; returns their paths. A key that contains an
-/// earlier one is refused, since it would discard that value.
+/// Sets overrides in a scenario's tree and returns their paths; the last override of a key wins. A
+/// key that contains an earlier one is refused, since it would discard that value.
 pub(super) fn apply(
     root: &mut Node,
     overrides: &[(String, toml::Value)],
@@ -63,11 +63,11 @@ pub(super) fn apply(
         let set = KeyPath::parse(key, &(start..start + key.len()), sources).and_then(|path| {
             let mut before = paths.iter().filter(|before: &&KeyPath| before.segments.len() > path.segments.len());
             if let Some(part) = before.find(|before| before.overlaps(&path)) {
-                let part = part.segments.iter().map(|s| KeyPath::segment(&s.0)).collect::<Vec<_>>().join(".");
+                let part = part.segments.iter().map(|s| segment(&s.0)).collect::<Vec<_>>().join(".");
                 let message = format!("`{key}` would replace `{part}`, which is set as well: set one or the other");
                 return Err(PathError { span: start..start + key.len(), message });
             }
-            let (node, errors) = toml_tree::assigned(&text, start, path.segments.len());
+            let (node, errors) = toml_tree::assigned_value(&text, start, path.segments.len());
             findings.syntax(errors);
             path.set(root, node).map(|()| path)
         });

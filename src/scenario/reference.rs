@@ -1,4 +1,4 @@
-//! The reference run of a cell: its scenario with the values of `compare.reference` put over it.
+//! The reference run of a cell: its scenario, changed by the values of `compare.reference`.
 
 use super::scenario::{self, Scenario};
 use crate::scenario::findings::Findings;
@@ -7,8 +7,8 @@ use crate::scenario::key_path::KeyPath;
 use crate::text::source::Sources;
 use crate::text::toml_tree::{Node, Value};
 
-/// Parts of a scenario that concern the use of a run, not its simulation.
-const NOT_OF_A_REFERENCE: [&str; 6] = ["schema", "description", "sweep", "log", "expect", "compare"];
+/// Keys of a scenario that concern the use of a run, not its simulation.
+const EXCLUDED_KEYS: [&str; 6] = ["schema", "description", "sweep", "log", "expect", "compare"];
 
 /// A reference run before its seed is known.
 pub(super) struct Reference {
@@ -21,9 +21,10 @@ pub(super) struct Reference {
 }
 
 impl Reference {
-    /// Reads the reference of a cell's tree; none without `compare.reference` or with an error, which goes to `findings`.
+    /// Reads the reference of a cell's tree; `None` without `compare.reference` or after an error,
+    /// which goes to `findings`.
     pub fn read(cell: &Node, sources: &Sources, findings: &mut Findings) -> Option<Reference> {
-        // A value that is no table is reported where `[compare]` is read.
+        // A value that is not a table is reported when `[compare]` is read.
         let table = cell.get("compare")?.get("reference").filter(|node| matches!(node.value, Value::Table(_)))?;
         let mut tree = cell.clone();
         let mut values: Vec<(KeyPath, Node)> = Vec::new();
@@ -32,7 +33,7 @@ impl Reference {
             let set = KeyPath::parse(&entry.key, &entry.key_span, sources)
                 .map_err(|e| (e.span, e.message, None))
                 .and_then(|path| {
-                    refuse(&entry.key, &path, &entry.node, &values)
+                    check_key(&entry.key, &path, &entry.node, &values)
                         .map_err(|(message, help)| (entry.key_span.clone(), message, help))?;
                     path.set(&mut tree, entry.node.clone()).map_err(|e| (e.span, e.message, None))?;
                     Ok(path)
@@ -45,13 +46,13 @@ impl Reference {
                 }
             }
         }
-        for part in NOT_OF_A_REFERENCE {
+        for part in EXCLUDED_KEYS {
             tree.remove(part);
         }
         let (scenario, found) = scenario::read(&tree);
         let mut warnings = findings.append(found);
-        warnings.explain(|_| Some("this is so in the reference run".into()));
-        let log = sampled(cell);
+        warnings.explain(|_| Some("this concerns the reference run".into()));
+        let log = log_settings(cell);
         scenario.filter(|_| is_valid).map(|scenario| Reference {
             scenario: Scenario { log, ..scenario },
             values,
@@ -66,21 +67,21 @@ impl Reference {
 }
 
 /// Refuses keys that `compare.reference` cannot have, with message and help.
-fn refuse(
+fn check_key(
     key: &str,
     path: &KeyPath,
     value: &Node,
     earlier: &[(KeyPath, Node)],
 ) -> Result<(), (String, Option<String>)> {
     let first = path.segments[0].0.as_str();
-    if NOT_OF_A_REFERENCE.contains(&first) {
-        return Err((format!("`{first}` is no part of a reference run"), None));
+    if EXCLUDED_KEYS.contains(&first) {
+        return Err((format!("`{first}` cannot be set in a reference run"), None));
     }
     if earlier.iter().any(|(other, _)| other.overlaps(path)) {
-        return Err((format!("`{key}` sets what another key of the reference sets"), None));
+        return Err((format!("`{key}` overlaps another key of the reference"), None));
     }
     match value.entries().first() {
-        // It would replace the whole section, the rest of which would fall back to its defaults.
+        // It would replace the whole section and reset its other keys to their defaults.
         Some(inner) if path.segments.len() == 1 => {
             let help = format!("a path is written as one key in quotes: \"{first}.{}\" = ...", inner.key);
             Err((format!("`{first}` cannot be replaced as a whole in a reference"), Some(help)))
@@ -89,8 +90,9 @@ fn refuse(
     }
 }
 
-/// The log settings of a reference: it is compared at the instants of the cell's log, or of the default log.
-fn sampled(cell: &Node) -> LogSpec {
+/// The log settings of a reference: it is compared at the instants of the cell's log, or of the
+/// default log.
+fn log_settings(cell: &Node) -> LogSpec {
     let rate = match cell.get("log").and_then(|log| log.get("rate")).map(|rate| &rate.value) {
         Some(Value::Float(rate)) if *rate > 0.0 => *rate,
         Some(Value::Integer(rate)) if *rate > 0 => *rate as f64,

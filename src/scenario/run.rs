@@ -17,30 +17,30 @@ use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::text::source::Sources;
 use crate::text::toml_tree::Node;
 
-/// Most runs of a file by default.
+/// Greatest number of runs of a file by default.
 pub const DEFAULT_MAX_RUNS: usize = 10_000;
 
-/// Diagnostics of one run that have a position.
-const MOST_POSITIONS: usize = 100;
+/// Greatest number of diagnostics of one run that have a position; each takes a pass over the file.
+const MAX_POSITIONS: usize = 100;
 
 /// One run of a scenario, with every value decided.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// The scenario's name.
     pub name: String,
-    /// The scenario's file, as it was named.
+    /// The scenario's file, as the user named it.
     pub file: PathBuf,
     /// Position among the runs of the file, from 0.
     pub index: usize,
     /// Every value, defaults included.
     pub scenario: Scenario,
-    /// The swept values by their dotted keys, in the order of the file. A key that only other runs sweep (`list`) has this
-    /// run's value, and is left out where that is a table of defaults. Repetitions differ in `scenario.seed` and are not
-    /// listed.
+    /// The swept values by their dotted keys, in the order of the file. A key that only other runs
+    /// sweep (`list`) has this run's value, and is left out where that is a table of defaults.
+    /// Repetitions differ in `scenario.seed` and are not listed.
     pub parameters: Vec<(String, toml::Value)>,
-    /// `scenario` as TOML; it reads back to the same.
+    /// `scenario` as TOML; parsing it gives the same scenario.
     pub resolved_toml: String,
-    /// Warnings. One that several runs of a file share is with the first of them.
+    /// Warnings. A warning that several runs of a file share belongs to the first of them.
     pub warnings: Diagnostics,
     /// The reference run for `[compare]`.
     pub reference: Option<Box<Run>>,
@@ -48,11 +48,11 @@ pub struct Run {
     pub inputs: Vec<Input>,
     /// Its events in order of time.
     pub events: Vec<Event>,
-    /// The origin of its values.
+    /// Origin of its values.
     pub origin: Origin,
 }
 
-/// Where the values of a run were written: in the file with its overrides, or in the sweep.
+/// Origin of the values of a run: the file with its overrides, or the sweep.
 #[derive(Clone, Debug)]
 pub struct Origin {
     pub(super) sources: Sources,
@@ -67,7 +67,7 @@ impl Origin {
     pub(super) fn tree(&self) -> Node {
         let mut root = Node::clone(&self.base);
         for (path, value) in &self.swept {
-            // These were set without error when the run was created.
+            // Setting these succeeded when the run was created.
             let _ = path.set(&mut root, value.clone());
         }
         root
@@ -86,11 +86,8 @@ impl Run {
     }
 
     /// The values as written, with overrides and sweep, without defaults.
-    pub fn written(&self) -> toml::Table {
-        match self.origin.tree().to_toml() {
-            toml::Value::Table(table) => table,
-            _ => toml::Table::new(),
-        }
+    pub fn written_values(&self) -> toml::Table {
+        self.origin.tree().to_table()
     }
 
     /// Resolves a path written in the scenario, relative to the scenario file's folder.
@@ -98,13 +95,15 @@ impl Run {
         resolve(&self.file, written.as_ref())
     }
 
-    /// An error about the value at a dotted path (such as `force.0.link`), shown where this run's value was written: in the
-    /// file, its sweep or an override. For errors that depend on the robot.
+    /// An error about the value at a dotted path (such as `force.0.link`), shown where this run's
+    /// value was written: in the file, its sweep or an override. For errors that depend on the
+    /// robot.
     pub fn error_at(&self, path: &str, message: impl Into<String>, help: Option<String>) -> Diagnostic {
         self.diagnose(path, Severity::Error, false, message.into(), help)
     }
 
-    /// As [`Run::error_at`], shown at the key: for keys that are names, such as `task.0.joints.knee`.
+    /// As [`Run::error_at`], shown at the key: for keys that are names, such as
+    /// `task.0.joints.knee`.
     pub fn error_at_key(&self, path: &str, message: impl Into<String>, help: Option<String>) -> Diagnostic {
         self.diagnose(path, Severity::Error, true, message.into(), help)
     }
@@ -117,8 +116,7 @@ impl Run {
         message: String,
         help: Option<String>,
     ) -> Diagnostic {
-        // Each takes a pass over the whole file.
-        if self.origin.reported.fetch_add(1, Ordering::Relaxed) >= MOST_POSITIONS {
+        if self.origin.reported.fetch_add(1, Ordering::Relaxed) >= MAX_POSITIONS {
             let file = self.file.display().to_string();
             let mut diagnostic = Diagnostic::whole_file(file, format!("{path}: {message}"));
             (diagnostic.severity, diagnostic.help) = (severity, help);
@@ -133,16 +131,17 @@ impl ScenarioFile {
     /// The runs of the file, at most [`DEFAULT_MAX_RUNS`]. See [`ScenarioFile::expand_at_most`].
     ///
     /// # Errors
-    /// See there.
+    /// See [`ScenarioFile::expand_at_most`].
     pub fn expand(&self, overrides: &[(String, toml::Value)]) -> Result<Vec<Run>, Diagnostics> {
         self.expand_at_most(overrides, DEFAULT_MAX_RUNS)
     }
 
-    /// The runs of the file in a fixed order. The dimensions of the sweep (each key of `grid`, each table of `zip`, `list`,
-    /// `random`) are nested in the order of the file, the last one changing fastest, and repetitions change faster still.
+    /// The runs of the file in a fixed order. The dimensions of the sweep (each key of `grid`, each
+    /// table of `zip`, `list`, `random`) are nested in the order of the file, the last one changing
+    /// fastest, and repetitions change faster still.
     ///
-    /// `overrides` are values by dotted path that replace those of the file, as `--set` gives them. An overridden key is not
-    /// swept.
+    /// `overrides` are values by dotted path that replace those of the file, as `--set` gives them.
+    /// An overridden key is not swept.
     ///
     /// # Errors
     /// The errors of all runs; more than `max_runs` runs.

@@ -1,16 +1,16 @@
 //! The key of a run: a short hash of everything its result depends on.
 
-/// Hash labelled inputs to 16 hexadecimal characters, such as `("scenario", resolved text)`, `("file robot.urdf",
-/// bytes)`, `("program", version)`.
+/// Hashes labelled inputs to 16 hexadecimal characters, such as `("scenario", resolved text)`,
+/// `("file robot.urdf", bytes)`, `("program", version)`.
 ///
-/// The order of the inputs does not matter; labels distinguish them. 64 bits: among a million runs two share a key with a
-/// probability of 3e-8.
+/// The order of the inputs does not matter; labels distinguish them. 64 bits: among a million runs
+/// two share a key with a probability of 3e-8.
 pub fn key(inputs: &[(&str, &[u8])]) -> String {
     let mut sorted = inputs.to_vec();
     sorted.sort_unstable();
     let mut hasher = blake3::Hasher::new();
     for (label, bytes) in sorted {
-        // Lengths first, so that no two lists of inputs run together to the same bytes.
+        // Lengths come first, so that no two lists of inputs give the same bytes.
         for part in [label.as_bytes(), bytes] {
             hasher.update(&(part.len() as u64).to_le_bytes());
             hasher.update(part);
@@ -37,7 +37,8 @@ mod tests {
 
     #[test]
     fn the_key_of_given_bytes_never_changes() {
-        // Computed by Python's blake3 over the same framing: results of older runs are found again by their key.
+        // Computed by Python's blake3 over the same bytes. Results of older runs are identified by
+        // their keys.
         assert_eq!(key(&[("scenario", b"abc")]), "de8963159f71ebf3");
     }
 }

@@ -89,7 +89,7 @@ impl Scenario {
     }
 }
 
-/// The scenario of a file that names a robot `""` and nothing else.
+/// Default values of all keys; the robot's path is empty.
 impl Default for Scenario {
     fn default() -> Self {
         Scenario {
@@ -117,7 +117,7 @@ impl Default for Scenario {
     }
 }
 
-/// True when the tree has a format version that this program reads; otherwise nothing else in it is checked.
+/// True when this program reads the tree's format version; otherwise nothing else is checked.
 pub(super) fn check_format(root: &Node, findings: &mut Findings) -> bool {
     let Some(node) = root.get("schema") else { return true };
     match node.value {
@@ -131,7 +131,7 @@ pub(super) fn check_format(root: &Node, findings: &mut Findings) -> bool {
     false
 }
 
-/// Reads a scenario; `None` with an error, which is among the findings.
+/// Reads a scenario; `None` after an error, which is among the findings.
 pub(super) fn read(root: &Node) -> (Option<Scenario>, Findings) {
     let mut findings = Findings::default();
     if !check_format(root, &mut findings) {
@@ -161,7 +161,7 @@ pub(super) fn read(root: &Node) -> (Option<Scenario>, Findings) {
         sweep: part.value("sweep", default.sweep),
         compare: part.with("compare", None, |d| CompareSpec::deserialize(d).map(Some)),
     };
-    part.refuse_others();
+    part.refuse_unknown_keys();
     // Rules between values are checked only when each value is valid.
     if !findings.has_errors() {
         checks::check(&scenario, root, &mut findings);
@@ -170,7 +170,8 @@ pub(super) fn read(root: &Node) -> (Option<Scenario>, Findings) {
     (is_valid.then_some(scenario), findings)
 }
 
-/// JSON Schema (draft 2020-12) of a scenario file, generated from the types that read it. Descriptions give the units.
+/// JSON Schema (draft 2020-12) of a scenario file, generated from the types that read it.
+/// Descriptions give the units.
 pub fn schema() -> serde_json::Value {
     let mut schema = schemars::schema_for!(Scenario).to_value();
     // The only key without a default. The type has one so that reading can continue after an error.
@@ -241,7 +242,7 @@ impl<'a> Sections<'a, '_> {
         self.items(key).filter_map(|(path, node)| tagged::read(node, &path, self.findings)).collect()
     }
 
-    fn refuse_others(self) {
+    fn refuse_unknown_keys(self) {
         for entry in self.root.entries().iter().filter(|e| !self.known.contains(&e.key.as_str())) {
             let help = suggest::help(&entry.key, self.known.iter().copied());
             self.findings.error(entry.key_span.clone(), format!("unknown key `{}`", entry.key), Some(help));

@@ -1,7 +1,9 @@
-//! Generates reference pages in Markdown from a JSON Schema, and so from the types that read the files: every key with type,
-//! default and meaning, and a section for each table.
+//! Generates reference pages in Markdown from the JSON Schema of a file format: every key with
+//! type, default and meaning, and a section for each table.
 //!
-//! Imports nothing of this crate. Called by `cli` (`runner schema FORMAT --markdown`).
+//! It serves `runner schema FORMAT --markdown`.
+//!
+//! Imports: nothing of this crate. Used by: `cli`.
 
 mod page_context;
 mod reference_page;

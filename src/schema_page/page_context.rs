@@ -1,4 +1,5 @@
-//! The state of a reference page while it is written: definitions, pending sections and their references.
+//! The state of a reference page while it is written: definitions, pending sections and their
+//! references.
 
 use crate::schema_page::schema_node::Kind;
 use serde_json::{Map, Value};
@@ -43,17 +44,18 @@ impl<'a> Page<'a> {
 
     /// Schedules the section of a definition and records the path that refers to it.
     pub fn reference(&mut self, name: &'a str, node: &'a Value, path: &str) {
-        let shown = format!("`{}`", self.header(path));
+        let reference = format!("`{}`", self.header(path));
         let paths = self.references.entry(name).or_default();
         if paths.is_empty() {
             self.waiting.push_back(SectionEntry { name, node, path: path.to_string(), variant: self.variant.clone() });
         }
-        if !paths.contains(&shown) {
-            paths.push(shown);
+        if !paths.contains(&reference) {
+            paths.push(reference);
         }
     }
 
-    /// A path in the notation of the format: `floor.friction`, or `[[force]]` for a table of an array.
+    /// A path in the notation of the format: `floor.friction`, or `[[force]]` for a table of an
+    /// array.
     pub fn header(&self, path: &str) -> String {
         let plain = path.replace("[]", "");
         match (self.notation, path.strip_suffix("[]")) {

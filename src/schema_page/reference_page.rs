@@ -5,9 +5,11 @@ use crate::schema_page::schema_node::anchor;
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, VecDeque};
 
-/// Writes a Markdown page on the format that `schema` describes, with a heading and an introduction.
+/// Writes a Markdown page on the format that `schema` describes, with a heading and an
+/// introduction.
 ///
-/// Sections are in the order of references from the root. A definition that several keys share has one section.
+/// Sections are in the order of references from the root. A definition that several keys share has
+/// one section.
 pub fn page(schema: &Value, notation: Notation, heading: &str, introduction: &str) -> String {
     let empty = Map::new();
     let definitions = schema.get("$defs").and_then(Value::as_object).unwrap_or(&empty);

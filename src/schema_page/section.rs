@@ -1,4 +1,5 @@
-//! Writes sections: tables of keys, lists of values with meanings, variants of tagged tables, and alternative forms.
+//! Writes sections: tables of keys, lists of values with meanings, variants of tagged tables, and
+//! alternative forms.
 
 use serde_json::Value;
 
@@ -44,14 +45,14 @@ impl<'a> Page<'a> {
         let tag = tag(node).map(|(key, _)| key);
         for (key, value) in properties.iter().filter(|(key, _)| Some(key.as_str()) != tag) {
             let below = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-            let said = cell(&self.phrase(value, &below));
+            let phrase = cell(&self.phrase(value, &below));
             let default = match value.get("default") {
                 _ if required.contains(&key.as_str()) => "required".to_string(),
                 Some(default) if !self.repeats_key_defaults(value, default) => cell(&quoted(default)),
                 _ => String::new(),
             };
             let default = if defaults { format!(" {default} |") } else { String::new() };
-            text.push_str(&format!("| `{key}` | {said} |{default} {} |\n", cell(&description(value))));
+            text.push_str(&format!("| `{key}` | {phrase} |{default} {} |\n", cell(&description(value))));
             lists.push_str(&long_lists(key, value));
         }
         text + &lists
@@ -121,9 +122,9 @@ fn long_lists(key: &str, value: &Value) -> String {
     let nodes = std::iter::once(value).chain(alternatives(value).into_iter().flatten());
     let nodes = nodes.chain(value.get("propertyNames"));
     let mut text = String::new();
-    for words in nodes.filter_map(|node| node.get("enum")?.as_array()).filter(|words| words.len() > MAX_INLINE) {
-        let words: Vec<_> = words.iter().map(quoted).collect();
-        text.push_str(&format!("\nNames for `{key}`: {}.\n", words.join(", ")));
+    for names in nodes.filter_map(|node| node.get("enum")?.as_array()).filter(|names| names.len() > MAX_INLINE) {
+        let names: Vec<_> = names.iter().map(quoted).collect();
+        text.push_str(&format!("\nNames for `{key}`: {}.\n", names.join(", ")));
     }
     text
 }

@@ -6,7 +6,8 @@ use crate::schema_page::page_context::{Notation, Page};
 use crate::schema_page::schema_node::{Kind, alternatives, anchor, is_null, quoted};
 
 impl<'a> Page<'a> {
-    /// Describes the type of a value; `path` is recorded in the sections of the tables that it refers to.
+    /// Describes the type of a value; `path` is recorded in the sections of the tables that it
+    /// refers to.
     pub fn phrase(&mut self, node: &'a Value, path: &str) -> String {
         if let Some((name, target)) = self.target(node) {
             return match Kind::of(target) {
@@ -15,9 +16,9 @@ impl<'a> Page<'a> {
                     self.reference(name, target, path);
                     let link = format!("(#{})", anchor(name));
                     match (kind, alternatives(target)) {
-                        (Kind::Values, Some(words)) => {
-                            let words: Vec<_> = words.iter().filter_map(|w| w.get("const")).map(quoted).collect();
-                            format!("[{}]{link}", words.join(", "))
+                        (Kind::Values, Some(choices)) => {
+                            let values: Vec<_> = choices.iter().filter_map(|c| c.get("const")).map(quoted).collect();
+                            format!("[{}]{link}", values.join(", "))
                         }
                         (Kind::Forms, _) => format!("[see there]{link}"),
                         _ => format!("[table]{link}"),
@@ -27,29 +28,29 @@ impl<'a> Page<'a> {
         }
         if let Some(all) = alternatives(node) {
             let nulls = self.notation == Notation::Json;
-            let said: Vec<_> = all.iter().filter(|a| nulls || !is_null(a)).map(|a| self.phrase(a, path)).collect();
-            return said.join(" or ");
+            let phrases: Vec<_> = all.iter().filter(|a| nulls || !is_null(a)).map(|a| self.phrase(a, path)).collect();
+            return phrases.join(" or ");
         }
         if let Some(value) = node.get("const") {
             return quoted(value);
         }
-        if let Some(words) = node.get("enum").and_then(Value::as_array) {
-            return if words.len() > MAX_INLINE {
+        if let Some(values) = node.get("enum").and_then(Value::as_array) {
+            return if values.len() > MAX_INLINE {
                 "one of the names below".into()
             } else {
-                words.iter().map(quoted).collect::<Vec<_>>().join(", ")
+                values.iter().map(quoted).collect::<Vec<_>>().join(", ")
             };
         }
         let (types, nullable) = types(node);
-        let said: Vec<String> = types.iter().map(|t| self.of_type(t, node, path)).collect();
+        let phrases: Vec<String> = types.iter().map(|t| self.of_type(t, node, path)).collect();
         let null = if nullable && self.notation == Notation::Json { " or null" } else { "" };
-        match said.join(" or ") {
-            said if said.is_empty() && node.get("pattern").is_some() => {
+        match phrases.join(" or ") {
+            phrase if phrase.is_empty() && node.get("pattern").is_some() => {
                 format!("one that matches {}", code(node, "pattern"))
             }
-            said if said.is_empty() && nullable => "null".into(),
-            said if said.is_empty() => "any value".into(),
-            said => format!("{said}{null}"),
+            phrase if phrase.is_empty() && nullable => "null".into(),
+            phrase if phrase.is_empty() => "any value".into(),
+            phrase => format!("{phrase}{null}"),
         }
     }
 
@@ -88,8 +89,7 @@ impl<'a> Page<'a> {
         if let Some(properties) = node.get("properties").and_then(Value::as_object) {
             let mut keys = Vec::new();
             for (key, value) in properties {
-                let said = self.phrase(value, &format!("{path}.{key}"));
-                keys.push(format!("`{key}`: {said}"));
+                keys.push(format!("`{key}`: {}", self.phrase(value, &format!("{path}.{key}"))));
             }
             if let Some(values) = node.get("additionalProperties").filter(|v| v.is_object()) {
                 keys.push(format!("`NAME`: {}", self.phrase(values, &format!("{path}.NAME"))));
@@ -121,16 +121,16 @@ fn types(node: &Value) -> (Vec<&str>, bool) {
 
 fn bounds(node: &Value) -> String {
     let bound = |key: &str| node.get(key).map(ToString::to_string);
-    let mut said = Vec::new();
+    let mut bounds = Vec::new();
     for (key, sign) in [("minimum", ">="), ("exclusiveMinimum", ">"), ("maximum", "<="), ("exclusiveMaximum", "<")] {
         if let Some(bound) = bound(key) {
-            said.push(format!("{sign} {bound}"));
+            bounds.push(format!("{sign} {bound}"));
         }
     }
     if let Some(step) = bound("multipleOf") {
-        said.push(format!("a multiple of {step}"));
+        bounds.push(format!("a multiple of {step}"));
     }
-    if said.is_empty() { String::new() } else { format!(" {}", said.join(", ")) }
+    if bounds.is_empty() { String::new() } else { format!(" {}", bounds.join(", ")) }
 }
 
 fn code(node: &Value, key: &str) -> String {

@@ -15,9 +15,9 @@ pub enum ForceEntry {
         link: LinkId,
         /// Point of action.
         point: Vector3<f64>,
-        /// In world axes, or in those of `frame`.
+        /// Force in world axes, or in those of `axes`.
         force: Vector3<f64>,
-        /// In the same axes.
+        /// Moment in the same axes.
         moment: Vector3<f64>,
         /// Orientation of the axes in the link's internal frame; none for world axes.
         axes: Option<nalgebra::UnitQuaternion<f64>>,
@@ -87,7 +87,7 @@ fn plain(lua: &Lua, value: &toml::Value) -> mlua::Result<Value> {
 }
 
 /// A value as shown in error messages.
-pub(super) fn shown(value: &Value) -> String {
+pub(super) fn describe(value: &Value) -> String {
     match value {
         Value::String(text) => format!("{:?}", text.to_string_lossy()),
         Value::Number(x) => x.to_string(),
@@ -106,30 +106,30 @@ fn number(value: &Value) -> Option<f64> {
     }
 }
 
-/// Why the answer of a force model is not a list of forces.
+/// Why the value that a force model returned is not a list of forces.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum AnswerError {
+pub(super) enum ReturnError {
     #[error("`run` must return a list of forces, not {0}")]
-    NoList(String),
+    NotAList(String),
     #[error("`run` must return a list of forces: {{ {{ link = .., force = .. }} }}")]
     NoEntries,
     #[error("force {0} must be a table, not {1}")]
-    NoTable(usize, String),
+    NotATable(usize, String),
     #[error("force {0}: {1}")]
     Entry(usize, EntryError),
     #[error(transparent)]
     Lua(#[from] mlua::Error),
 }
 
-/// What is wrong with one entry of that list.
+/// Why an entry of that list is not a force.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum EntryError {
     #[error("unknown key {0}; known here: {known}", known = KEYS.join(", "))]
     UnknownKey(String),
     #[error("the robot has no joint {0}")]
-    NoJoint(String),
+    UnknownJoint(String),
     #[error("the robot has no link {0:?}")]
-    NoLink(String),
+    UnknownLink(String),
     #[error("needs `link`, the name of a link, or `joint`; `link` is {0}")]
     LinkMissing(String),
     #[error("`frame` must be \"world\" or \"link\", not {0}")]
@@ -137,29 +137,29 @@ pub(super) enum EntryError {
     #[error("`{0}` must be a finite number, not {1}")]
     NotFinite(String, String),
     #[error("`{0}` must be {{ x, y, z }}, three finite numbers, not {1}")]
-    NoVector(&'static str, String),
+    NotAVector(&'static str, String),
     #[error(transparent)]
     Lua(#[from] mlua::Error),
 }
 
 /// Appends the forces of the list that a force model returned.
-pub(super) fn read_forces(answer: Value, names: &RobotNames, forces: &mut Vec<ForceEntry>) -> Result<(), AnswerError> {
-    let list = match &answer {
+pub(super) fn read_forces(value: Value, names: &RobotNames, forces: &mut Vec<ForceEntry>) -> Result<(), ReturnError> {
+    let list = match &value {
         Value::Nil => return Ok(()),
         Value::Table(list) => list,
-        other => return Err(AnswerError::NoList(shown(other))),
+        other => return Err(ReturnError::NotAList(describe(other))),
     };
     for (i, entry) in list.sequence_values::<Value>().enumerate() {
         match entry? {
             Value::Table(entry) => {
-                forces.push(read_force(&entry, names).map_err(|e| AnswerError::Entry(i + 1, e))?);
+                forces.push(read_force(&entry, names).map_err(|e| ReturnError::Entry(i + 1, e))?);
             }
-            other => return Err(AnswerError::NoTable(i + 1, shown(&other))),
+            other => return Err(ReturnError::NotATable(i + 1, describe(&other))),
         }
     }
-    // A table with only keys has no entries: it is one force outside a list.
+    // A table of keys alone is one force that is not in a list.
     if forces.is_empty() && !list.is_empty() {
-        return Err(AnswerError::NoEntries);
+        return Err(ReturnError::NoEntries);
     }
     Ok(())
 }
@@ -171,27 +171,27 @@ fn read_force(entry: &Table, names: &RobotNames) -> Result<ForceEntry, EntryErro
         let (key, _) = pair?;
         let known = key.as_string().is_some_and(|k| KEYS.iter().any(|known| known.as_bytes() == &*k.as_bytes()));
         if !known {
-            return Err(EntryError::UnknownKey(shown(&key)));
+            return Err(EntryError::UnknownKey(describe(&key)));
         }
     }
     let get = |key: &str| entry.raw_get::<Value>(key);
     let joint = get("joint")?;
     if !joint.is_nil() {
-        let index = names.joint(&joint).ok_or_else(|| EntryError::NoJoint(shown(&joint)))?;
+        let index = names.joint(&joint).ok_or_else(|| EntryError::UnknownJoint(describe(&joint)))?;
         let effort = get("effort")?;
         let value = number(&effort).filter(|x| x.is_finite());
-        let effort = value.ok_or_else(|| EntryError::NotFinite("effort".into(), shown(&effort)))?;
+        let effort = value.ok_or_else(|| EntryError::NotFinite("effort".into(), describe(&effort)))?;
         return Ok(ForceEntry::Joint { joint: index, effort });
     }
     let link = get("link")?;
-    let name = link.as_string().ok_or_else(|| EntryError::LinkMissing(shown(&link)))?;
+    let name = link.as_string().ok_or_else(|| EntryError::LinkMissing(describe(&link)))?;
     let found = name.to_str().ok().and_then(|name| names.links.get(&*name));
-    let (id, frame) = found.ok_or_else(|| EntryError::NoLink(name.to_string_lossy()))?;
+    let (id, frame) = found.ok_or_else(|| EntryError::UnknownLink(name.to_string_lossy()))?;
     let in_link_axes = match get("frame")? {
         Value::Nil => false,
         Value::String(word) if word.as_bytes() == b"world" => false,
         Value::String(word) if word.as_bytes() == b"link" => true,
-        other => return Err(EntryError::Frame(shown(&other))),
+        other => return Err(EntryError::Frame(describe(&other))),
     };
     Ok(ForceEntry::Wrench {
         link: *id,
@@ -208,15 +208,15 @@ fn vector(key: &'static str, value: &Value) -> Result<Vector3<f64>, EntryError> 
         Value::Nil => return Ok(Vector3::zeros()),
         Value::Table(list) if list.raw_len() == 3 => list,
         Value::Table(list) => {
-            return Err(EntryError::NoVector(key, format!("{} of {}", shown(value), list.raw_len())));
+            return Err(EntryError::NotAVector(key, format!("{} of {}", describe(value), list.raw_len())));
         }
-        _ => return Err(EntryError::NoVector(key, shown(value))),
+        _ => return Err(EntryError::NotAVector(key, describe(value))),
     };
     let mut v = Vector3::zeros();
     for i in 0..3 {
         let entry: Value = list.raw_get(i + 1)?;
         let finite = number(&entry).filter(|x| x.is_finite());
-        v[i] = finite.ok_or_else(|| EntryError::NotFinite(format!("{key}[{}]", i + 1), shown(&entry)))?;
+        v[i] = finite.ok_or_else(|| EntryError::NotFinite(format!("{key}[{}]", i + 1), describe(&entry)))?;
     }
     Ok(v)
 }

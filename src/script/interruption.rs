@@ -8,7 +8,7 @@ thread_local! {
     static FLAG: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
 }
 
-/// Runs `body`; the scripts that it loads end with an error once `flag` is set.
+/// Runs `body`; the scripts that it loads fail once `flag` is set.
 pub fn interruptible<R>(flag: Arc<AtomicBool>, body: impl FnOnce() -> R) -> R {
     /// Restores the previous flag however the body ends.
     struct Before(Option<Arc<AtomicBool>>);

@@ -1,13 +1,13 @@
-//! Scripts in Luau: tasks and force models in files of their own.
+//! Runs tasks and force models that are written in Luau.
 //!
-//! Each script of each run has its own interpreter (`sandbox`). Before a call the numbers that it
-//! reads ([`fields`]) are written to a buffer, which `prelude.luau` unpacks into the table `robot`;
-//! joint commands return through another buffer. Every failure is a [`ScriptError`] with file, line
-//! and message. [`script_task`] and [`script_force`] implement the traits of tasks and force
-//! models.
+//! Each script of each run has its own interpreter (`sandbox`). Before a call, the numbers that the
+//! script reads ([`fields`]) are written to a buffer, which `prelude.luau` unpacks into the table
+//! `robot`. Joint commands return through another buffer. Every failure is a [`ScriptError`] with
+//! file, line and message. [`script_task`] and [`script_force`] implement the traits of tasks and
+//! force models.
 //!
-//! Imports task, force, robot, dynamics, random and text. Called by assemble, console and batch
-//! (interruption).
+//! Imports: `text`, `random`, `robot`, `dynamics`, `task`, `force`. Used by: `assemble`, `batch`,
+//! `console`.
 
 mod convert;
 pub mod fields;
@@ -73,7 +73,7 @@ pub struct Script {
     run: Function,
     change: Option<Function>,
     needs: Needs,
-    /// Tables that only `refill` writes.
+    /// Tables that `refill` alone writes.
     filled: Vec<Table>,
     /// Tables that are read-only between corners.
     locked: Vec<Table>,
@@ -90,49 +90,49 @@ impl Script {
     /// Loads a script called `file` and runs its top level once.
     ///
     /// # Errors
-    /// Errors of the text; a missing `run`; unknown parts or links in its lists.
+    /// The script has an error, lacks `run`, or lists unknown parts or links.
     pub fn load(file: &str, text: &str, purpose: Purpose, model: &Model, stream: Stream) -> Result<Self, ScriptError> {
         let sandbox = Sandbox::new(file)?;
-        let wrong = |e: mlua::Error| ScriptError::read(file, &e);
+        let to_error = |e: mlua::Error| ScriptError::read(file, &e);
         let stream = Mutex::new(stream);
         let draw = move |_: &mlua::Lua, ()| Ok(stream.lock().map_or(f64::NAN, |mut s| s.unit()));
-        let draw = sandbox.lua.create_function(draw).map_err(wrong)?;
+        let draw = sandbox.lua.create_function(draw).map_err(to_error)?;
         let joints: Vec<&str> = model.joints.iter().map(|j| j.name.as_str()).collect();
-        let modes = MODES.map(|(word, _)| word);
-        let inside: Table = sandbox.prepare(include_str!("prelude.luau"), (draw, joints, modes.to_vec()))?;
-        let given = inside.get::<Function>("random").and_then(|f| sandbox.lua.globals().set("random", f));
-        given.map_err(wrong)?;
+        let modes = MODES.map(|(name, _)| name);
+        let exports: Table = sandbox.prepare(include_str!("prelude.luau"), (draw, joints, modes.to_vec()))?;
+        let random = exports.get::<Function>("random").and_then(|f| sandbox.lua.globals().set("random", f));
+        random.map_err(to_error)?;
         sandbox.close()?;
         sandbox.load(text)?;
         let (needs, fields) = requested_data(&sandbox, file, purpose, model)?;
         let numbers = fields.iter().map(|f| f.shape.size()).sum();
-        let input = sandbox.lua.create_buffer(vec![0; 8 * numbers]).map_err(wrong)?;
-        let output = sandbox.lua.create_buffer(vec![0; 8 * 6 * model.nj()]).map_err(wrong)?;
+        let input = sandbox.lua.create_buffer(vec![0; 8 * numbers]).map_err(to_error)?;
+        let output = sandbox.lua.create_buffer(vec![0; 8 * 6 * model.nj()]).map_err(to_error)?;
         let points = points(&sandbox, file, purpose)?;
-        let shown = sandbox.lua.create_buffer(vec![0; 8 * 4 * points.len()]).map_err(wrong)?;
-        let layout = layout(&sandbox, &fields, (&input, &output), purpose).map_err(wrong)?;
+        let shown = sandbox.lua.create_buffer(vec![0; 8 * 4 * points.len()]).map_err(to_error)?;
+        let layout = layout(&sandbox, &fields, (&input, &output), purpose).map_err(to_error)?;
         let names: Vec<&str> = points.iter().map(|point| point.name.as_str()).collect();
-        layout.set("points", names).and_then(|()| layout.set("shown", &shown)).map_err(wrong)?;
-        sandbox.call::<()>(&inside.get("lay").map_err(wrong)?, layout)?;
+        layout.set("points", names).and_then(|()| layout.set("shown", &shown)).map_err(to_error)?;
+        sandbox.call::<()>(&exports.get("build").map_err(to_error)?, layout)?;
         let globals = sandbox.lua.globals();
-        let function = |name: &str| match globals.get::<Value>(name).map_err(wrong)? {
+        let function = |name: &str| match globals.get::<Value>(name).map_err(to_error)? {
             Value::Function(f) => Ok(Some(f)),
             Value::Nil => Ok(None),
             other => Err(ScriptError::new(
                 file,
                 None,
-                format!("`{name}` must be a function, not {}", convert::shown(&other)),
+                format!("`{name}` must be a function, not {}", convert::describe(&other)),
             )),
         };
         let run = function("run")?.ok_or_else(|| ScriptError::new(file, None, "there is no function `run`"))?;
-        let filled = lock_robot(&inside).map_err(wrong)?;
+        let filled = lock_robot(&exports).map_err(to_error)?;
         let mut script = Script {
             init: function("init")?,
             change: function("change")?,
             run,
-            robot: inside.get("robot").map_err(wrong)?,
-            refill: inside.get("refill").map_err(wrong)?,
-            allow: inside.get("allow").map_err(wrong)?,
+            robot: exports.get("robot").map_err(to_error)?,
+            refill: exports.get("refill").map_err(to_error)?,
+            allow: exports.get("allow").map_err(to_error)?,
             file: file.to_owned(),
             numbers: vec![0.0; numbers],
             bytes: vec![0; 8 * numbers.max(6 * model.nj())],
@@ -180,34 +180,34 @@ impl Script {
 
     fn prepare(&mut self, view: &View, function: Option<Function>, params: &Params) -> Result<bool, ScriptError> {
         let Some(function) = function else { return Ok(true) };
-        self.show(view, Stage::Prepare)?;
+        self.update_robot(view, Stage::Prepare)?;
         self.locked.drain(..).for_each(|table| table.set_readonly(false));
         let params = convert::params(&self.sandbox.lua, params).map_err(|e| self.sandbox.error(&e))?;
-        let answer: Value = self.sandbox.call(&function, (self.robot.clone(), params))?;
+        let result: Value = self.sandbox.call(&function, (self.robot.clone(), params))?;
         self.lock_globals();
-        self.continues(&function, answer)
+        self.should_continue(&function, result)
     }
 
     /// Calls `run` of a task, which may change `command`. True: the script continues.
-    pub fn drive(&mut self, view: &View, command: &mut Command) -> Result<bool, ScriptError> {
-        self.show(view, Stage::Run)?;
-        let answer: Value = self.sandbox.call(&self.run, self.robot.clone())?;
-        self.read(command);
+    pub fn run_task(&mut self, view: &View, command: &mut Command) -> Result<bool, ScriptError> {
+        self.update_robot(view, Stage::Run)?;
+        let result: Value = self.sandbox.call(&self.run, self.robot.clone())?;
+        self.read_command(command);
         self.read_points();
-        self.continues(&self.run, answer)
+        self.should_continue(&self.run, result)
     }
 
-    /// Calls `run` of a force model; appends its forces to `effects`.
-    pub fn effects(
+    /// Calls `run` of a force model and replaces `forces` by the forces that it returns.
+    pub fn run_force(
         &mut self,
         view: &View,
         names: &RobotNames,
-        effects: &mut Vec<ForceEntry>,
+        forces: &mut Vec<ForceEntry>,
     ) -> Result<(), ScriptError> {
-        effects.clear();
-        self.show(view, Stage::Run)?;
-        let answer: Value = self.sandbox.call(&self.run, self.robot.clone())?;
-        convert::read_forces(answer, names, effects).map_err(|e| self.return_error(&self.run, e.to_string()))
+        forces.clear();
+        self.update_robot(view, Stage::Run)?;
+        let result: Value = self.sandbox.call(&self.run, self.robot.clone())?;
+        convert::read_forces(result, names, forces).map_err(|e| self.return_error(&self.run, e.to_string()))
     }
 
     /// An error in the return value of a function, at the function's first line.
@@ -215,15 +215,15 @@ impl Script {
         ScriptError::new(&self.file, function.info().line_defined, message)
     }
 
-    fn continues(&self, function: &Function, answer: Value) -> Result<bool, ScriptError> {
-        match &answer {
+    fn should_continue(&self, function: &Function, result: Value) -> Result<bool, ScriptError> {
+        match &result {
             Value::Nil | Value::Boolean(true) => Ok(true),
             Value::Boolean(false) => Ok(false),
-            Value::String(word) if word.as_bytes() == b"done" => Ok(false),
+            Value::String(text) if text.as_bytes() == b"done" => Ok(false),
             other => {
                 let message = format!(
                     "it must return nothing or true to continue, \"done\" or false to end, not {}",
-                    convert::shown(other)
+                    convert::describe(other)
                 );
                 Err(self.return_error(function, message))
             }
@@ -241,17 +241,17 @@ impl Script {
     }
 
     /// Updates the table `robot`.
-    fn show(&mut self, view: &View, stage: Stage) -> Result<(), ScriptError> {
+    fn update_robot(&mut self, view: &View, stage: Stage) -> Result<(), ScriptError> {
         let mut rest = &mut self.numbers[..];
         for field in &self.fields {
-            let (mine, others) = rest.split_at_mut(field.shape.size());
-            (field.read)(view, mine);
+            let (own, others) = rest.split_at_mut(field.shape.size());
+            (field.read)(view, own);
             rest = others;
         }
-        pack(&self.numbers, &mut self.bytes);
+        pack(self.numbers.iter().copied(), &mut self.bytes);
         self.input.write_bytes(0, &self.bytes[..8 * self.numbers.len()]);
         if let Some(TaskView { command, .. }) = &view.task {
-            self.write(command);
+            self.write_command(command);
         }
         let draws = stage == Stage::Prepare || self.purpose == Purpose::Task;
         let drives = stage == Stage::Run && self.purpose == Purpose::Task;
@@ -263,16 +263,16 @@ impl Script {
     }
 
     /// Writes the joint commands to the buffer, row after row.
-    fn write(&mut self, c: &Command) {
+    fn write_command(&mut self, c: &Command) {
         let mode = |m: &DriveMode| MODES.iter().position(|(_, mode)| mode == m).unwrap_or(0) as f64;
         let rows = [&c.position, &c.velocity, &c.effort, &c.kp, &c.kd].into_iter().flatten().copied();
         let all = rows.chain(c.mode.iter().map(mode));
         let n = 6 * c.position.len();
-        self.bytes.chunks_exact_mut(8).zip(all).for_each(|(place, x)| place.copy_from_slice(&x.to_le_bytes()));
+        pack(all, &mut self.bytes);
         self.output.write_bytes(0, &self.bytes[..8 * n]);
     }
 
-    fn read(&self, c: &mut Command) {
+    fn read_command(&self, c: &mut Command) {
         let n = c.position.len();
         let at = |row: usize, i: usize| f64::from_le_bytes(self.output.read_bytes(8 * (row * n + i)));
         for i in 0..n {
@@ -290,14 +290,14 @@ impl Script {
     }
 }
 
-/// The points of a task, by its list `points`; none is shown yet.
+/// The points of a task's list `points`; none is shown yet.
 fn points(sandbox: &Sandbox, file: &str, purpose: Purpose) -> Result<Vec<PointOfInterest>, ScriptError> {
     let names = string_list(sandbox, file, "points")?;
     if purpose == Purpose::Force && !names.is_empty() {
-        return Err(ScriptError::new(file, None, "`points` are shown by tasks, not by forces"));
+        return Err(ScriptError::new(file, None, "a force cannot have `points`: only tasks show points"));
     }
-    if let Some(twice) = (1..names.len()).find(|&i| names[..i].contains(&names[i])) {
-        return Err(ScriptError::new(file, None, format!("`points` names \"{}\" twice", names[twice])));
+    if let Some(i) = (1..names.len()).find(|&i| names[..i].contains(&names[i])) {
+        return Err(ScriptError::new(file, None, format!("`points` names \"{}\" twice", names[i])));
     }
     Ok(names.into_iter().map(|name| PointOfInterest { name, position: None }).collect())
 }
@@ -310,36 +310,36 @@ fn requested_data(
     purpose: Purpose,
     model: &Model,
 ) -> Result<(Needs, Vec<Field>), ScriptError> {
-    let wrong = |message: String| ScriptError::new(file, None, message);
+    let to_error = |message: String| ScriptError::new(file, None, message);
     let task = purpose == Purpose::Task;
     let parts = || PARTS.iter().filter(|(name, _)| task || *name == "com");
     let mut needs = Needs::NONE;
-    for word in string_list(sandbox, file, "needs")? {
-        let Some((_, part)) = parts().find(|(name, _)| *name == word) else {
-            let help = crate::text::suggest(&word, parts().map(|(name, _)| *name).collect::<Vec<_>>());
-            return Err(wrong(format!("`needs` has no part \"{word}\"; {help}")));
+    for need in string_list(sandbox, file, "needs")? {
+        let Some((_, part)) = parts().find(|(name, _)| *name == need) else {
+            let help = crate::text::suggest(&need, parts().map(|(name, _)| *name).collect::<Vec<_>>());
+            return Err(to_error(format!("`needs` has no part \"{need}\"; {help}")));
         };
         needs |= *part;
     }
-    let mut fields = fields::of_all(model);
+    let mut fields = fields::common_fields(model);
     if task {
-        fields.extend(fields::of_sensors(model));
-        fields.extend(fields::of_tasks(model, needs));
+        fields.extend(fields::sensor_fields(model));
+        fields.extend(fields::task_fields(model, needs));
     } else if needs.contains(Needs::COM) {
-        fields.extend(fields::of_mass());
+        fields.extend(fields::com_fields());
     }
     for name in string_list(sandbox, file, "links")? {
         let Some((link, frame)) = model.link(&name) else {
             let help = crate::text::suggest(&name, links(model).map(|(name, ..)| name).collect::<Vec<_>>());
-            return Err(wrong(format!("`links`: the robot `{}` has no link \"{name}\"; {help}", model.name)));
+            return Err(to_error(format!("`links`: the robot `{}` has no link \"{name}\"; {help}", model.name)));
         };
-        fields.extend(fields::of_link(&name, link, frame));
+        fields.extend(fields::link_fields(&name, link, frame));
         needs |= Needs::LINKS;
     }
     Ok((needs, fields))
 }
 
-/// A global list of strings; nil is an empty one.
+/// A global list of strings; nil counts as empty.
 fn string_list(sandbox: &Sandbox, file: &str, list: &str) -> Result<Vec<String>, ScriptError> {
     let value: Value = sandbox.lua.globals().get(list).map_err(|e| sandbox.error(&e))?;
     let shape = || ScriptError::new(file, None, format!("`{list}` must be a list of strings"));
@@ -350,14 +350,14 @@ fn string_list(sandbox: &Sandbox, file: &str, list: &str) -> Result<Vec<String>,
     }
 }
 
-/// All tables reachable from `from`, themselves included.
-fn reachable_tables(from: impl IntoIterator<Item = Table>) -> Vec<Table> {
-    let (mut found, mut seen) = (Vec::new(), HashSet::new());
-    let mut ahead: Vec<Table> = from.into_iter().collect();
-    while let Some(table) = ahead.pop() {
-        if seen.insert(table.to_pointer()) {
+/// All tables reachable from `roots`, the roots included.
+fn reachable_tables(roots: impl IntoIterator<Item = Table>) -> Vec<Table> {
+    let (mut found, mut known) = (Vec::new(), HashSet::new());
+    let mut pending: Vec<Table> = roots.into_iter().collect();
+    while let Some(table) = pending.pop() {
+        if known.insert(table.to_pointer()) {
             for (key, value) in table.pairs::<Value, Value>().flatten() {
-                ahead.extend([key, value].into_iter().filter_map(|v| v.as_table().cloned()));
+                pending.extend([key, value].into_iter().filter_map(|v| v.as_table().cloned()));
             }
             found.push(table);
         }
@@ -367,24 +367,24 @@ fn reachable_tables(from: impl IntoIterator<Item = Table>) -> Vec<Table> {
 
 /// Makes the table `robot` read-only to the script; returns the tables to unlock for an update. The
 /// lists of desired values stay writable for the functions that command joints.
-fn lock_robot(inside: &Table) -> mlua::Result<Vec<Table>> {
-    let robot: Table = inside.get("robot")?;
+fn lock_robot(exports: &Table) -> mlua::Result<Vec<Table>> {
+    let robot: Table = exports.get("robot")?;
     let desired: Option<Table> = robot.get("desired")?;
     let lists = desired.iter().flat_map(|d| d.pairs::<Value, Table>().flatten());
-    let open: HashSet<_> = lists.map(|(_, list)| list.to_pointer()).collect();
-    let closed = |table: &Table| !open.contains(&table.to_pointer());
-    let filled: Table = inside.get("filled")?;
+    let writable: HashSet<_> = lists.map(|(_, list)| list.to_pointer()).collect();
+    let is_locked = |table: &Table| !writable.contains(&table.to_pointer());
+    let filled: Table = exports.get("filled")?;
     let mut filled: Vec<Table> = filled.sequence_values().collect::<mlua::Result<_>>()?;
-    let kept: Table = inside.get("kept")?;
-    filled.retain(closed);
+    let rows: Table = exports.get("rows")?;
+    filled.retain(is_locked);
     filled.sort_by_key(Table::to_pointer);
     filled.dedup_by_key(|table| table.to_pointer());
-    reachable_tables([robot, kept]).iter().filter(|t| closed(t)).for_each(|table| table.set_readonly(true));
+    reachable_tables([robot, rows]).iter().filter(|t| is_locked(t)).for_each(|table| table.set_readonly(true));
     Ok(filled)
 }
 
-fn pack(numbers: &[f64], bytes: &mut [u8]) {
-    bytes.chunks_exact_mut(8).zip(numbers).for_each(|(place, x)| place.copy_from_slice(&x.to_le_bytes()));
+fn pack(numbers: impl Iterator<Item = f64>, bytes: &mut [u8]) {
+    bytes.chunks_exact_mut(8).zip(numbers).for_each(|(cell, x)| cell.copy_from_slice(&x.to_le_bytes()));
 }
 
 /// Describes the layout of the buffers to `prelude.luau`.
@@ -402,7 +402,7 @@ fn layout(
             Shape::List(n) => ("list", 1, n),
             Shape::Matrix(rows, columns) => ("matrix", rows, columns),
             Shape::Optional(n) => ("optional", 1, n),
-            Shape::Rows(most, columns) => ("rows", most, columns),
+            Shape::Rows(rows, columns) => ("rows", rows, columns),
         };
         let entry = lua.create_table()?;
         entry.set("path", field.path.clone())?;

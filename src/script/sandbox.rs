@@ -1,9 +1,9 @@
 //! An isolated interpreter for each script of each run.
 //!
-//! There are no files, no network, no clock, no other modules and no code made from strings. Memory
-//! is limited, and so is the work of one call: the interpreter counts calls and loop iterations,
-//! not time, so that a run ends at the same point on every machine. Library functions that process
-//! long data count by its size (`counted.luau`), and so does allocated memory.
+//! A script has no access to files, network, clock and other modules, and cannot compile strings to
+//! code. Memory is limited, and so is the work of one call: the interpreter counts calls and loop
+//! iterations, not time, so that a run ends at the same point on every machine. Library functions
+//! that process long data count by its size (`counted.luau`), and so does allocated memory.
 
 use super::interruption;
 use super::script_error::ScriptError;
@@ -18,8 +18,9 @@ pub const MEMORY: usize = 64 << 20;
 /// Limit on calls and loop iterations within one call of a script.
 pub const BUDGET: u64 = 1_000_000;
 
-/// Functions of the base library that reach outside, create code or depend on the machine.
-const CLOSED: [&str; 11] = [
+/// Removed functions of the base library, which access other modules, compile code or depend on the
+/// machine.
+const REMOVED: [&str; 11] = [
     "require",
     "loadstring",
     "load",
@@ -35,14 +36,14 @@ const CLOSED: [&str; 11] = [
 
 /// Bytes processed by a library function, or allocated, that count as one call.
 pub const BYTES: u64 = 512;
-/// Bytes of text for which a step of a pattern counts once more.
+/// Length of text, bytes, per additional count of a pattern's step.
 const LONG: u64 = 1024;
 
 /// Work done by the current call.
 #[derive(Default)]
 struct Meter {
     used: AtomicU64,
-    /// Count of one interrupt.
+    /// Units that one interrupt counts.
     weight: AtomicU64,
     /// Memory at the last interrupt, and memory left by the last garbage collection, bytes.
     memory: AtomicUsize,
@@ -59,7 +60,7 @@ impl Meter {
         self.exceeded.store(false, Ordering::Relaxed);
     }
 
-    /// Counts; false once the budget is used up.
+    /// Adds to the work done; false once the budget is used up.
     fn spend(&self, units: u64) -> bool {
         self.used.fetch_add(units, Ordering::Relaxed).saturating_add(units) <= BUDGET
     }
@@ -84,20 +85,20 @@ pub(super) fn out_of_memory() -> String {
 }
 
 impl Sandbox {
-    /// An interpreter for the script called `file`, still without limits, libraries open to trusted
-    /// code.
+    /// An interpreter for the script called `file`, still without limits, so that trusted code can
+    /// change its libraries.
     pub fn new(file: &str) -> Result<Self, ScriptError> {
         let libraries = StdLib::TABLE | StdLib::STRING | StdLib::UTF8 | StdLib::BIT | StdLib::MATH | StdLib::BUFFER;
         let sandbox = |lua| Sandbox { lua, meter: Arc::default(), file: file.to_owned() };
-        let made = Lua::new_with(libraries, LuaOptions::new()).and_then(|lua| {
+        let lua = Lua::new_with(libraries, LuaOptions::new()).and_then(|lua| {
             let globals = lua.globals();
-            CLOSED.iter().try_for_each(|name| globals.raw_remove(*name))?;
+            REMOVED.iter().try_for_each(|name| globals.raw_remove(*name))?;
             for (library, function) in [("math", "random"), ("math", "randomseed")] {
                 globals.get::<mlua::Table>(library)?.raw_remove(function)?;
             }
             Ok(lua)
         });
-        made.map(sandbox).map_err(|e| ScriptError::read(file, &e))
+        lua.map(sandbox).map_err(|e| ScriptError::read(file, &e))
     }
 
     /// Runs trusted code.
@@ -110,8 +111,8 @@ impl Sandbox {
     pub fn close(&self) -> Result<(), ScriptError> {
         self.count().map_err(|e| self.error(&e))?;
         let (meter, file, stop) = (self.meter.clone(), self.file.clone(), interruption::flag());
-        let closed = self.lua.sandbox(true).and_then(|()| self.lua.set_memory_limit(2 * MEMORY));
-        closed.map_err(|e| self.error(&e))?;
+        let sandboxed = self.lua.sandbox(true).and_then(|()| self.lua.set_memory_limit(2 * MEMORY));
+        sandboxed.map_err(|e| self.error(&e))?;
         self.lua.set_interrupt(move |lua| {
             if stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed)) {
                 return Err(mlua::Error::RuntimeError("interrupted".into()));
@@ -123,8 +124,8 @@ impl Sandbox {
                 memory = lua.used_memory();
                 meter.live.store(memory, Ordering::Relaxed);
             }
-            let more = memory.saturating_sub(meter.memory.swap(memory, Ordering::Relaxed)) as u64;
-            if meter.spend(meter.weight.load(Ordering::Relaxed) + more / BYTES) {
+            let allocated = memory.saturating_sub(meter.memory.swap(memory, Ordering::Relaxed)) as u64;
+            if meter.spend(meter.weight.load(Ordering::Relaxed) + allocated / BYTES) {
                 return Ok(VmState::Continue);
             }
             Err(meter.exceed(lua, &file))
@@ -152,7 +153,7 @@ impl Sandbox {
     /// Runs the top level of the script.
     pub fn load(&self, text: &str) -> Result<(), ScriptError> {
         let chunk = self.lua.load(text).set_name(format!("={}", self.file)).set_mode(ChunkMode::Text);
-        // Without this the compiler inlines these functions, past the counting.
+        // Otherwise the compiler inlines these functions, and their work is not counted.
         let function = chunk.set_compiler(Compiler::new().set_mutable_globals(["string", "tonumber"]));
         let function = function.into_function().map_err(|e| self.error(&e))?;
         self.call(&function, ())
@@ -172,7 +173,7 @@ impl Sandbox {
                 return Err(ScriptError::new(&self.file, function.info().line_defined, out_of_memory()));
             }
         }
-        // A script that has caught the interruption still fails.
+        // A script that has caught the error still fails.
         match result {
             Ok(_) if self.meter.exceeded.load(Ordering::Relaxed) => {
                 let message = format!("more than {BUDGET} calls and loop iterations in one call");

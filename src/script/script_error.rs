@@ -31,21 +31,21 @@ impl ScriptError {
     /// Reads an error of the interpreter in the script `file`: a message that begins with its
     /// location, then a traceback.
     pub(super) fn read(file: &str, error: &mlua::Error) -> Self {
-        let whole = match error {
+        let report = match error {
             mlua::Error::CallbackError { cause, .. } => return Self::read(file, cause),
             mlua::Error::RuntimeError(text) | mlua::Error::SyntaxError { message: text, .. } => text.clone(),
             mlua::Error::MemoryError(_) => return Self::new(file, None, super::sandbox::out_of_memory()),
             other => other.to_string(),
         };
-        let (text, trace) = whole.split_once("\nstack traceback:").unwrap_or((&whole, ""));
+        let (text, trace) = report.split_once("\nstack traceback:").unwrap_or((&report, ""));
         let text = text.trim_end();
         // The script's line in the traceback, for messages of library functions and of the prelude.
-        let called = |line: &str| {
+        let script_line = |line: &str| {
             let digits =
                 line.trim().strip_prefix(file)?.strip_prefix(':')?.split(|c: char| !c.is_ascii_digit()).next()?;
             digits.parse().ok()
         };
-        let caller = || trace.lines().find_map(called);
+        let caller = || trace.lines().find_map(script_line);
         if let Some((_, message)) = text.strip_prefix("prelude:").and_then(|rest| rest.split_once(": ")) {
             return Self::new(file, caller(), message);
         }

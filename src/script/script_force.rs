@@ -1,9 +1,9 @@
 //! `script`: a force model written in Luau; see [`crate::script`].
 //!
-//! The integrator evaluates forces at any time and state, in any order, and takes steps back.
-//! Between corners the result must therefore be a function of both alone: globals of the script are
-//! read-only and random numbers are not available. After the start and after every corner the first
-//! evaluation is made twice and the results compared.
+//! The integrator evaluates forces at any time and state, in any order, and repeats rejected steps.
+//! Between corners the result must therefore be a function of time and state alone: globals of the
+//! script are read-only, and random numbers are not available. The first evaluation after the start
+//! and after each corner is made twice, and the results are compared.
 
 use super::fields::View;
 use super::{ForceEntry, Params, RobotNames, Script, ScriptError};
@@ -21,8 +21,9 @@ pub struct ScriptForce {
     params: Params,
     /// Parameter changes with their times, in order.
     changes: Vec<(f64, Params)>,
+    /// Number of changes applied so far.
     changed: usize,
-    effects: Vec<ForceEntry>,
+    forces: Vec<ForceEntry>,
     repeated: Vec<ForceEntry>,
     /// True if the next evaluation is made twice for comparison.
     check_next: bool,
@@ -58,7 +59,7 @@ impl ScriptForce {
             params: schedule.params,
             changes: schedule.changes,
             changed: 0,
-            effects: Vec::new(),
+            forces: Vec::new(),
             repeated: Vec::new(),
             check_next: true,
             ready: false,
@@ -67,10 +68,10 @@ impl ScriptForce {
     }
 
     fn evaluate_script(&mut self, view: &View) -> Result<(), ScriptError> {
-        self.script.effects(view, &self.names, &mut self.effects)?;
+        self.script.run_force(view, &self.names, &mut self.forces)?;
         if std::mem::take(&mut self.check_next) {
-            self.script.effects(view, &self.names, &mut self.repeated)?;
-            if self.effects != self.repeated {
+            self.script.run_force(view, &self.names, &mut self.repeated)?;
+            if self.forces != self.repeated {
                 let message = "`run` returned different forces for the same time and state: between corners it must \
                                be a function of both alone";
                 return Err(ScriptError::new(&self.name, None, message));
@@ -98,7 +99,7 @@ impl Force for ScriptForce {
         continues.map(|_| ()).map_err(ForceError::new)
     }
 
-    fn pass(&mut self, context: &ForceContext, report: &mut ReportEvent) {
+    fn on_corner(&mut self, context: &ForceContext, report: &mut ReportEvent) {
         self.check_next = true;
         while let Some((_, params)) = self.changes.get(self.changed).filter(|(at, _)| *at <= context.time) {
             self.changed += 1;
@@ -117,13 +118,13 @@ impl Force for ScriptForce {
             self.failure = Some(error);
             return;
         }
-        for effect in &self.effects {
-            match effect {
+        for force in &self.forces {
+            match force {
                 ForceEntry::Joint { joint, effort } => applied.joint(context.model, *joint, *effort),
                 ForceEntry::Wrench { link, point, force, moment, axes } => {
                     let (rotation, origin) = context.frame(*link);
-                    let turn = |v: &Vector3<f64>| axes.as_ref().map_or(*v, |axes| rotation * (axes * v));
-                    applied.wrench(context, *link, &(origin + rotation * point), &turn(force), &turn(moment));
+                    let to_world = |v: &Vector3<f64>| axes.as_ref().map_or(*v, |axes| rotation * (axes * v));
+                    applied.wrench(context, *link, &(origin + rotation * point), &to_world(force), &to_world(moment));
                 }
             }
         }

@@ -11,9 +11,11 @@ pub struct ScriptTask {
     name: String,
     script: Script,
     params: Params,
+    /// Times of parameter changes, s.
     changes: Vec<f64>,
+    /// Parameters after each change.
     changed: Vec<Params>,
-    /// Joint commands at the last call that received them.
+    /// Joint commands at the last call of `init` or `run`.
     command: Option<Command>,
     end: f64,
 }
@@ -56,9 +58,9 @@ impl Task for ScriptTask {
         if has_elapsed(context.time, self.end) {
             return Ok(Status::Done);
         }
-        let kept = self.command.get_or_insert_with(|| command.clone());
-        kept.copy_from(command);
-        status(self.script.drive(&view(context, kept), command))
+        let current = self.command.get_or_insert_with(|| command.clone());
+        current.copy_from(command);
+        status(self.script.run_task(&view(context, current), command))
     }
 
     fn change(&mut self, context: &Context, number: usize) -> TaskResult {

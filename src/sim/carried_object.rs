@@ -1,9 +1,10 @@
 //! Objects that links carry for a time.
 //!
-//! While it is held an object is part of its link: `I = I_link + sum of the objects' inertias`. Attaching one that
-//! moves with the link changes no velocity, nor does release. One with a velocity of its own is caught in a perfectly
-//! plastic impact, see [`Plant::catch`]. In the energy balance the energy of an object counts as work of external
-//! forces when it is attached and released, and the loss of the impact as an impact's.
+//! A held object is part of its link: `I = I_link + sum of the objects' inertias`. Attaching an
+//! object that moves with the link changes no velocity, nor does release. An object with a velocity
+//! of its own is caught in a perfectly plastic impact, see [`Plant::catch`]. In the energy balance
+//! attachment and release count as work of external forces, and the loss of the impact as impact
+//! loss.
 
 use super::plant::Plant;
 use crate::robot::{LinkId, Model, RigidInertia};
@@ -18,11 +19,11 @@ pub struct CarriedObject {
     pub link: LinkId,
     /// Its inertia in the link's internal frame.
     pub body: RigidInertia,
-    /// Its velocity when it is caught, without rotation, world, m/s; none: it moves with the link.
+    /// Velocity before it is caught, without rotation, world, m/s; none: it moves with the link.
     pub velocity: Option<Vector3<f64>>,
-    /// From, s.
+    /// Start, s.
     pub from: f64,
-    /// To, s.
+    /// End, s.
     pub to: f64,
 }
 
@@ -34,7 +35,7 @@ pub struct CarriedObjects {
 }
 
 impl CarriedObjects {
-    /// None is held yet.
+    /// The objects of a run, none of them held.
     pub fn new(model: &Model, objects: Vec<CarriedObject>) -> Self {
         let bare = model.links.iter().map(|l| l.body()).collect();
         CarriedObjects { objects: objects.into_iter().map(|object| (object, false)).collect(), bare }
@@ -50,7 +51,8 @@ impl CarriedObjects {
         self.objects.len()
     }
 
-    /// The next object, from number `i` on, that is attached (true) or released (false) at time `t`; with its number.
+    /// The next object, from number `i` on, that is due at time `t`: its number, and whether it is
+    /// attached (true) or released (false).
     pub fn due(&self, i: usize, t: f64) -> Option<(usize, bool)> {
         let changes = |(object, held): &(CarriedObject, bool)| match *held {
             true => (object.to <= t).then_some(false),
@@ -59,12 +61,13 @@ impl CarriedObjects {
         (i..self.objects.len()).find_map(|i| changes(&self.objects[i]).map(|attach| (i, attach)))
     }
 
-    /// Marks object `i` as held or released. Returns it with the inertia of its link and all that the link then holds.
+    /// Marks object `i` as held or released. Returns it with the inertia of its link and all
+    /// objects that the link then holds.
     pub fn set_held(&mut self, i: usize, held: bool) -> (CarriedObject, RigidInertia) {
         self.objects[i].1 = held;
         let object = self.objects[i].0.clone();
-        let whole = self.total(object.link);
-        (object, whole)
+        let total = self.total(object.link);
+        (object, total)
     }
 
     /// Attaches the held objects to the links of a plant whose model was replaced.
@@ -75,7 +78,8 @@ impl CarriedObjects {
         }
     }
 
-    /// Inertia of a link with the objects it holds, summed anew so that a release leaves no rounding error.
+    /// Inertia of a link with the objects it holds, summed again at each change so that a
+    /// release leaves no rounding error.
     fn total(&self, link: LinkId) -> RigidInertia {
         let held = self.objects.iter().filter(|(object, held)| *held && object.link == link);
         held.fold(self.bare[link.0], |sum, (object, _)| sum.plus(&object.body))

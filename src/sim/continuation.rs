@@ -1,4 +1,5 @@
-//! Continuation of a run with another setup, and snapshots between two steps, for callers such as the console.
+//! Continuation of a run with another setup, and snapshots between two steps, for callers such as
+//! the console.
 
 use super::measure::snapshot;
 use super::report::Snapshot;
@@ -9,10 +10,13 @@ use super::simulation::Simulation;
 use crate::task::TaskServer;
 
 impl Simulation {
-    /// Continues as the run of `setup`, which may differ from the present one only in the future: events not before the
-    /// present time and, at the end of their lists, tasks, their changes, forces and objects that are not active before
-    /// it. Further steps are equal to the last bit to those of a run that was `setup` from the start, if steps end at
-    /// every tick ([`TaskServer::tick_always`]) and this is called at one. Everything that is in no list is unchanged.
+    /// Continues as the run of `setup`, which may differ from the present one only in the future:
+    /// events not before the present time, and tasks, changes of tasks, forces and objects at the
+    /// end of their lists that are not active before it. Settings outside these lists stay as they
+    /// are.
+    ///
+    /// Further steps are equal to the last bit to those of a run of `setup` from the start if steps
+    /// end at every tick ([`TaskServer::tick_always`]) and this is called at a tick.
     ///
     /// # Errors
     /// A new force that cannot be initialised.
@@ -39,27 +43,27 @@ impl Simulation {
         self.run.log.next().is_some_and(|due| due <= self.run.plant.state.time + 1e-12)
     }
 
-    /// A snapshot of the present state as the log would contain it, with the forces that act if nothing jumps now. Does
-    /// not influence the run.
-    pub fn inspect(&mut self) -> Snapshot {
+    /// A snapshot of the present state as the log would contain it, with the forces that act if
+    /// no event happens now. Does not influence the run.
+    pub fn snapshot(&mut self) -> Snapshot {
         // The forces of velocity-level steps are those of the last step.
-        self.inspect_with(!(self.run.started && self.run.velocity_level))
+        self.take_snapshot(!(self.run.started && self.run.velocity_level))
     }
 
     /// A snapshot of the present state as the log would contain it if the run ended here.
-    pub fn inspect_end(&mut self) -> Snapshot {
-        self.inspect_with(!(self.run.velocity_level && self.snapshot_due()))
+    pub fn snapshot_at_end(&mut self) -> Snapshot {
+        self.take_snapshot(!(self.run.velocity_level && self.snapshot_due()))
     }
 
-    fn inspect_with(&mut self, evaluate: bool) -> Snapshot {
+    fn take_snapshot(&mut self, evaluate: bool) -> Snapshot {
         let run = &mut self.run;
         let mut snapshot = run.log.snapshot.clone();
-        let kept = (run.plant.solution.clone(), run.plant.within, run.plant.evaluations);
+        let saved = (run.plant.solution.clone(), run.plant.within, run.plant.evaluations);
         if evaluate {
             run.plant.evaluate();
         }
         run.fill_snapshot(&mut snapshot);
-        (run.plant.solution, run.plant.within, run.plant.evaluations) = kept;
+        (run.plant.solution, run.plant.within, run.plant.evaluations) = saved;
         snapshot
     }
 

@@ -5,7 +5,7 @@ use std::fmt;
 /// What happened. [`EventKind::as_str`] is the kind in logs and scripts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventKind {
-    /// A free sole gets contact.
+    /// A free sole touches the floor.
     Touchdown,
     /// A sole loses its last contact.
     Liftoff,
@@ -19,7 +19,7 @@ pub enum EventKind {
     Impact,
     /// Sliding ended by an impulse (Painleve).
     Jam,
-    /// No contact state is valid.
+    /// No valid contact state exists.
     Inconsistent,
     /// A vertex enters another friction region.
     Border,

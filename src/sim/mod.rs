@@ -1,20 +1,25 @@
 //! One run: integrates the robot on its floor, calls tasks and sensors, and measures.
 //!
-//! [`Setup`] describes a run, [`Simulation`] executes it, an [`Observer`] receives snapshots, events and samples.
+//! [`Setup`] describes a run, [`Simulation`] executes it, an [`Observer`] receives snapshots,
+//! events and samples.
 //!
-//! | room | content |
+//! | module | content |
 //! |---|---|
 //! | `plant` | equations of motion with the contact states held fixed |
 //! | `actuation` | drives, joint friction and stops, lag, speed limits, paths of kinematic joints |
 //! | `floor` | the plane and its friction regions |
 //! | `sensing` | sensors with errors, IMU, base estimators |
-//! | `run` | state of a run apart from its stepper: control ticks, scenario events, carried objects |
+//! | `run` | state of a run without its stepper: control ticks, scenario events, carried objects |
 //! | `contact_states` | choice of contact states at an instant |
 //! | `stepper` | explicit and semi-implicit time stepping |
 //! | `measure` | residuals, energy balance, milestones, samples, snapshots |
 //!
-//! Imports robot, dynamics, contact, collision, force and task. Called by `assemble` (which builds a
-//! [`Setup`] from a scenario), `batch`, `console` and library users. Knows nothing of files and logs.
+//! `assemble` builds a [`Setup`] from a scenario; library users fill one. Does not access files or
+//! logs.
+//!
+//! Imports: `geometry`, `integrate`, `random`, `metrics`, `robot`, `dynamics`, `contact`,
+//! `collision`, `task`, `force`. Used by: `log`, `assemble`, `results`, `report`, `remote`,
+//! `batch`, `replay`, `console`, `api`, `cli`.
 
 pub mod actuation;
 pub mod carried_object;

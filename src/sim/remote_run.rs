@@ -1,14 +1,17 @@
-//! A run whose robot is in another process: tasks, estimator and collision avoidance run here, the motion there.
+//! A run whose robot is in another process: tasks, estimator and collision avoidance run here, the
+//! motion there.
 //!
-//! The only data of the robot are its sensor readings ([`Sensed`]). A snapshot therefore contains the estimated state,
-//! the measured sole forces, and contact states inferred from these forces and the speeds of the soles. Quantities that
-//! only a simulation has (energies, penetrations, steps) are not measured.
+//! The only data of the robot are its sensor readings ([`SensorReadings`]). A snapshot therefore
+//! contains the estimated state, the measured sole forces, and contact states inferred from these
+//! forces and the speeds of the soles. Quantities that only a simulation has (energies,
+//! penetrations, steps) are not measured.
 
 use super::actuation::joint_efforts;
 use super::event_kind::EventKind;
 use super::floor::Floor;
 use super::measure::snapshot;
 use super::report::{AvoidanceTime, Metrics, Observer, Outcome, SimEvent, Snapshot};
+use super::run::run_tasks;
 use super::run_error::RunError;
 use super::self_collision::SelfCollisionMonitor;
 use super::sensing::Estimator;
@@ -18,7 +21,7 @@ use crate::dynamics::State;
 use crate::dynamics::chain::FrameMotion;
 use crate::robot::Model;
 use crate::task::server::TickInput;
-use crate::task::{Augmented, Command, Needs, Sensed, TaskServer};
+use crate::task::{AugmentedData, Command, Needs, SensorReadings, TaskServer};
 use nalgebra::{Isometry3, Translation3, Vector3};
 use std::fmt::Write;
 use std::sync::Arc;
@@ -26,24 +29,23 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A robot in another process.
 pub trait RemoteRobot: Send {
-    /// Waits for its next control tick and receives its readings. Returns the tick's number; none when its run is over.
+    /// Waits for its next control tick and receives its readings. Returns the tick's number; none
+    /// when its run is over.
     ///
     /// # Errors
     /// An error that ends the run.
-    fn sense(&mut self, sensed: &mut Sensed) -> Result<Option<u64>, RunError>;
+    fn sense(&mut self, sensed: &mut SensorReadings) -> Result<Option<u64>, RunError>;
 
-    /// Sends the joint commands from that tick on, and the number of the next tick with a new command.
+    /// Sends the joint commands that hold from `tick` on, and the number of the next tick with a
+    /// new command.
     ///
     /// # Errors
     /// An error of the connection.
     fn command(&mut self, tick: u64, command: &Command, next: Option<u64>) -> Result<(), RunError>;
 
-    /// The run has ended. Returns notes for the user.
+    /// Called when the run has ended. Returns notes for the user.
     fn leave(&mut self) -> Vec<String>;
 }
-
-/// Data that a snapshot of such a run needs.
-const SNAPSHOT_NEEDS: Needs = Needs::ALL;
 
 /// A run whose robot is in another process.
 pub struct RemoteRun {
@@ -53,11 +55,11 @@ pub struct RemoteRun {
     /// Speed below which a sole counts as static, m/s.
     static_speed: f64,
     tasks: TaskServer,
-    /// Joint commands, made safe from self-collision.
+    /// Joint commands after self-collision avoidance.
     safe_command: Command,
     estimator: Estimator,
     self_collision: Option<Box<SelfCollisionMonitor>>,
-    data: Augmented,
+    data: AugmentedData,
     snapshot: Snapshot,
     metrics: Metrics,
     duration: f64,
@@ -70,23 +72,15 @@ pub struct RemoteRun {
 }
 
 impl RemoteRun {
-    /// Prepares a run. Contact, integration, forces, carried objects, sensors and events of `setup` belong to the robot's
-    /// process and are ignored, except for the tasks that events end.
+    /// Prepares a run. Contact, integration, forces, carried objects, sensors and events of `setup`
+    /// belong to the robot's process and are ignored, except for the tasks that events end.
     pub fn new(mut setup: Setup) -> Self {
         let model = setup.model.clone();
-        let mut start = State::home(&model);
-        (start.position, start.rotation) = (setup.start.position, setup.start.rotation);
-        start.joints.copy_from_slice(&setup.start.joints);
-        start.v.copy_from_slice(&setup.start.v);
+        let start = setup.initial_state();
         let mut first = snapshot::blank(&model);
         first.points = snapshot::blank_points(&setup.tasks);
         first.estimate = Some(snapshot::blank_estimate(&model));
-        let self_collision = setup.self_collision.take().map(|own| {
-            if own.avoid.is_some() {
-                setup.tasks.tick_always();
-            }
-            Box::new(SelfCollisionMonitor::new(own, &model, &setup.tasks.command, &start, setup.tasks.period()))
-        });
+        let self_collision = SelfCollisionMonitor::of_run(&mut setup, &start);
         first.self_contact = self_collision.as_ref().map(|monitor| monitor.blank());
         let estimator = Estimator::new(&setup.estimator, &model, setup.imu, setup.gravity);
         if setup.sensors.is_some() || estimator.estimates() {
@@ -96,7 +90,7 @@ impl RemoteRun {
             gravity: setup.gravity,
             static_speed: setup.contact.tolerances.velocity,
             safe_command: setup.tasks.command.clone(),
-            data: Augmented::new(&model),
+            data: AugmentedData::new(&model),
             estimator,
             self_collision,
             snapshot: first,
@@ -105,7 +99,7 @@ impl RemoteRun {
             log_rate: setup.log_rate,
             logged: 0,
             fallen_below: setup.fallen_below,
-            task_ends: setup.events.iter().flat_map(|c| c.end_tasks.iter().map(|task| (c.at, *task))).collect(),
+            task_ends: setup.events.iter().flat_map(|e| e.end_tasks.iter().map(|task| (e.at, *task))).collect(),
             floor: setup.floor,
             tasks: setup.tasks,
             model,
@@ -120,7 +114,7 @@ impl RemoteRun {
         observer: &mut dyn Observer,
         cancel: &AtomicBool,
     ) -> (Outcome, String) {
-        let mut sensed = Sensed::blank(&self.model);
+        let mut sensed = SensorReadings::blank(&self.model);
         let end = self.advance(robot, observer, &mut sensed, cancel);
         self.write_metrics();
         RunError::outcome_of(end, cancel)
@@ -133,14 +127,14 @@ impl RemoteRun {
 
     /// Processor time of self-collision avoidance, if configured.
     pub fn avoidance_time(&self) -> Option<AvoidanceTime> {
-        self.self_collision.as_ref().and_then(|own| own.spent())
+        self.self_collision.as_ref().and_then(|monitor| monitor.avoidance_time())
     }
 
     fn advance(
         &mut self,
         robot: &mut dyn RemoteRobot,
         observer: &mut dyn Observer,
-        sensed: &mut Sensed,
+        sensed: &mut SensorReadings,
         cancel: &AtomicBool,
     ) -> Result<(), RunError> {
         let mut first = true;
@@ -150,21 +144,24 @@ impl RemoteRun {
             }
             let tick = robot.sense(sensed)?;
             if std::mem::take(&mut first) && sensed.base.is_none() {
-                // The readings contain no base pose: the robot begins at the start of the scenario.
+                // Without a base pose in the readings the robot begins at the start of the
+                // scenario.
                 sensed.base = Some(FrameMotion::of_base(&self.start));
             }
+            self.estimator.update(&self.model, sensed);
             let Some(tick) = tick else {
-                self.update_estimate(sensed);
                 self.emit_snapshot(sensed, observer)?;
                 let time = sensed.time;
-                // The two durations may differ; a tick is the smallest difference.
+                // The durations of both sides may differ by less than a tick.
                 return if time + 0.5 * self.tasks.period() >= self.duration {
                     Ok(())
                 } else {
-                    Err(RunError::new(Outcome::Error, format!("the robot's side ended at {time:.6} s")))
+                    Err(RunError::new(
+                        Outcome::Error,
+                        format!("the robot's process ended its run early, at {time:.6} s"),
+                    ))
                 };
             };
-            self.update_estimate(sensed);
             if sensed.time >= self.duration {
                 self.emit_snapshot(sensed, observer)?;
                 return Ok(());
@@ -179,41 +176,30 @@ impl RemoteRun {
         }
     }
 
-    /// Updates the estimate with the readings of a tick.
-    fn update_estimate(&mut self, sensed: &Sensed) {
-        self.estimator.update(&self.model, sensed);
-    }
-
-    fn run_tasks(&mut self, sensed: &Sensed, observer: &mut dyn Observer) -> Result<(), RunError> {
-        let time = sensed.time;
-        let due = time + 1e-9 * self.tasks.period();
+    fn run_tasks(&mut self, sensed: &SensorReadings, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let due = sensed.time + 1e-9 * self.tasks.period();
         self.task_ends.iter().filter(|(at, _)| *at <= due).for_each(|(_, task)| self.tasks.end(*task));
-        let situation = TickInput {
+        let input = TickInput {
             model: &self.model,
             gravity: self.gravity,
             floor: self.floor.plane(),
             state: &self.estimator.state,
             sensed,
         };
-        let mut failure = None;
-        let ran = self.tasks.run(&situation, |change, name| {
-            let message = format!("task {name} {change}");
-            let event = SimEvent { time, kind: EventKind::Task, subject: name.to_string(), message };
-            failure = observer.event(&event).err().or(failure.take());
-        });
+        let result = run_tasks(&mut self.tasks, &input, observer);
         self.safe_command.copy_from(&self.tasks.command);
-        if let Some(own) = &mut self.self_collision {
-            own.avoid(&self.model, &self.estimator.state, &mut self.safe_command);
+        if let Some(monitor) = &mut self.self_collision {
+            monitor.avoid(&self.model, &self.estimator.state, &mut self.safe_command);
         }
-        failure.map_or(ran.map_err(|e| e.to_string()), Err).map_err(RunError::internal)
+        result
     }
 
     /// Emits a snapshot of the present estimate.
-    fn emit_snapshot(&mut self, sensed: &Sensed, observer: &mut dyn Observer) -> Result<(), RunError> {
+    fn emit_snapshot(&mut self, sensed: &SensorReadings, observer: &mut dyn Observer) -> Result<(), RunError> {
         let (state, model) = (&self.estimator.state, &self.model);
         let plane = self.floor.plane();
         let data = &mut self.data;
-        data.update(model, state, sensed, &self.gravity, &plane, SNAPSHOT_NEEDS);
+        data.update(model, state, sensed, &self.gravity, &plane, Needs::ALL);
         let out = &mut self.snapshot;
         out.time = state.time;
         out.base_pose = Isometry3::from_parts(Translation3::from(state.position), state.rotation);
@@ -237,24 +223,24 @@ impl RemoteRun {
         out.support_polygon.clear();
         out.support_polygon.extend_from_slice(&data.support_polygon);
         for (s, sole) in out.soles.iter_mut().enumerate() {
-            let seen = &data.soles[s];
+            let measured = &data.soles[s];
             sole.clamped.fill(false);
-            sole.positions.copy_from_slice(&seen.vertices);
-            sole.forces.copy_from_slice(&seen.vertex_forces);
+            sole.positions.copy_from_slice(&measured.vertices);
+            sole.forces.copy_from_slice(&measured.vertex_forces);
             for contact in data.contacts.iter().filter(|contact| contact.sole == s) {
                 sole.clamped[contact.vertex] = true;
             }
             for (i, velocity) in sole.velocities.iter_mut().enumerate() {
                 *velocity = Vector3::zeros();
                 for (k, v) in state.v.iter().enumerate() {
-                    let column = &seen.vertex_jacobians[i][3 * k..3 * k + 3];
+                    let column = &measured.vertex_jacobians[i][3 * k..3 * k + 3];
                     *velocity += Vector3::new(column[0], column[1], column[2]) * *v;
                 }
             }
             let speeds = sole.velocities.iter().zip(&sole.clamped).filter(|(_, clamped)| **clamped);
-            let rests = speeds.map(|(velocity, _)| velocity.norm()).all(|speed| speed <= self.static_speed);
+            let is_static = speeds.map(|(velocity, _)| velocity.norm()).all(|speed| speed <= self.static_speed);
             sole.state.clear();
-            let _ = write!(sole.state, "{}", inferred_state(&sole.clamped, rests));
+            let _ = write!(sole.state, "{}", inferred_state(&sole.clamped, is_static));
         }
         for (to, (_, position)) in out.points.iter_mut().zip(self.tasks.points()) {
             to.position = position;
@@ -262,8 +248,8 @@ impl RemoteRun {
         if let Some(estimate) = &mut out.estimate {
             snapshot::fill_estimate(&self.estimator, sensed, estimate);
         }
-        if let (Some(own), Some(out)) = (&mut self.self_collision, &mut out.self_contact) {
-            own.fill(model, state, &data.workspace, out);
+        if let (Some(monitor), Some(out)) = (&mut self.self_collision, &mut out.self_contact) {
+            monitor.fill(model, state, &data.workspace, out);
         }
         observer.snapshot(out).map_err(RunError::internal)
     }
@@ -292,17 +278,18 @@ impl RemoteRun {
         m.final_base_shift_m = (state.position - self.start.position).norm();
         m.final_com_position = self.data.com.into();
         m.final_com_velocity = self.data.com_velocity.into();
-        if let Some(own) = &self.self_collision {
-            own.write(m);
+        if let Some(monitor) = &self.self_collision {
+            monitor.write_metrics(m);
         }
     }
 }
 
-/// Infers the state of a sole from its vertices in contact; patterns without a state count as the whole face.
-fn inferred_state(clamped: &[bool], rests: bool) -> SoleState {
+/// Infers the state of a sole from its vertices in contact. Patterns without a state count as the
+/// whole face.
+fn inferred_state(clamped: &[bool], is_static: bool) -> SoleState {
     let k = clamped.len();
-    let fits = |state: &SoleState| clamped.iter().enumerate().all(|(i, clamped)| state.clamps(i, k) == *clamped);
-    let mode = |state: &SoleState| state.is_static() == rests || *state == SoleState::FREE;
+    let matches = |state: &SoleState| clamped.iter().enumerate().all(|(i, clamped)| state.clamps(i, k) == *clamped);
+    let mode = |state: &SoleState| state.is_static() == is_static || *state == SoleState::FREE;
     let all = || SoleState::all(k).filter(mode);
-    all().find(fits).or_else(|| all().last()).unwrap_or(SoleState::FREE)
+    all().find(matches).or_else(|| all().last()).unwrap_or(SoleState::FREE)
 }

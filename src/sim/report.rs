@@ -1,5 +1,5 @@
-//! Output of a run: snapshots, events, samples, metrics and an outcome. Plain data, written by [`crate::sim`], read
-//! by [`crate::results`]; nothing here steps or writes.
+//! Output of a run: snapshots, events, samples, metrics and an outcome. Plain data, written by
+//! [`crate::sim`], read by [`crate::results`].
 
 use super::event_kind::EventKind;
 use super::measure::energy_balance::EnergyBalance;
@@ -41,9 +41,10 @@ pub struct Snapshot {
     pub com_velocity: Vector3<f64>,
     /// Centre of pressure of all soles on the floor plane; none in flight.
     pub centre_of_pressure: Option<Vector3<f64>>,
-    /// Convex hull of the touching vertices, in order; may be empty.
+    /// Convex hull of the clamped vertices on the floor plane, in order; may be empty.
     pub support_polygon: Vec<Vector3<f64>>,
-    /// Point of optimal stability of that hull on the floor plane, see [`mod@crate::geometry::stable_point`]; none in flight.
+    /// Point of optimal stability of that hull on the floor plane, see
+    /// [`mod@crate::geometry::stable_point`]; none in flight.
     pub stable_point: Option<Vector3<f64>>,
     /// Named points of the tasks, always the same ones.
     pub points: Vec<PointOfInterest>,
@@ -64,22 +65,24 @@ pub struct Snapshot {
 /// Distance of the robot from self-collision, and its avoidance.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SelfContactSnapshot {
-    /// Names of the bodies of the watched pairs.
+    /// Names of the bodies of the monitored pairs.
     pub pairs: Vec<[String; 2]>,
-    /// Of the nearest pair: distance (below 0: depth of the overlap), m, its number in `pairs`, and the nearest points, world; none
-    /// without pairs.
+    /// Of the nearest pair: distance (below 0: depth of the overlap), m, its number in `pairs`, and
+    /// the nearest points, world; none without pairs.
     pub nearest: Option<(f64, usize, Vector3<f64>, Vector3<f64>)>,
     /// Cycles of avoidance so far.
     pub cycles: u64,
     /// Postures tested in the last of them.
     pub tests: u64,
-    /// For each joint: does avoidance stop it? Empty when collisions are only reported.
+    /// For each joint: does avoidance stop it? Empty without avoidance.
     pub frozen: Vec<bool>,
-    /// Joint positions that the tasks command, within their ranges, rad or m; empty in the same case.
-    pub wanted: Vec<f64>,
+    /// Joint positions that the tasks command, within their ranges, rad or m; empty without
+    /// avoidance.
+    pub desired: Vec<f64>,
 }
 
-/// Readings of the sensors and the estimated base at a control tick. World axes unless said, SI units.
+/// Readings of the sensors and the estimated base at a control tick. World axes unless stated
+/// otherwise, SI units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EstimateSnapshot {
     /// The tick, s.
@@ -90,28 +93,28 @@ pub struct EstimateSnapshot {
     pub base_linear_velocity: Vector3<f64>,
     /// Estimated angular velocity of the root.
     pub base_angular_velocity: Vector3<f64>,
-    /// Joint positions read.
+    /// Measured joint positions.
     pub q: Vec<f64>,
-    /// Joint velocities read.
+    /// Measured joint velocities.
     pub qd: Vec<f64>,
-    /// Joint loads read.
+    /// Measured joint loads.
     pub load: Vec<f64>,
-    /// Orientation read.
+    /// Measured orientation.
     pub orientation: UnitQuaternion<f64>,
-    /// Angular velocity of the IMU read, its axes.
+    /// Measured angular velocity of the IMU, its axes.
     pub angular_velocity: Vector3<f64>,
-    /// Specific force at the IMU read, its axes.
+    /// Measured specific force at the IMU, its axes.
     pub specific_force: Vector3<f64>,
-    /// Force and moment about the centroid read at each sole.
+    /// Measured force and moment about the centroid of each sole.
     pub soles: Vec<(Vector3<f64>, Vector3<f64>)>,
-    /// For each sole: does the estimator hold it static? Empty for other estimators.
+    /// For each sole: does the estimator take it as static? Empty for other estimators.
     pub static_soles: Vec<bool>,
 }
 
 /// Motion and contact at an instant of comparison. World axes, SI units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Which instant: `index / rate` seconds, and the run's end as the last.
+    /// Number of the instant, at `index / rate` seconds; the last is the run's end.
     pub index: usize,
     /// Simulated time, s.
     pub time: f64,
@@ -177,7 +180,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// All there are.
+    /// All outcomes.
     pub const ALL: [Outcome; 8] = [
         Outcome::Passed,
         Outcome::Failed,
@@ -207,25 +210,38 @@ impl Outcome {
 /// Processor time of avoidance.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct AvoidanceTime {
-    /// In all, s.
+    /// Total, s.
     pub total_s: f64,
-    /// Of this, in ticks with a cycle, s.
+    /// The part of it in ticks with a cycle, s.
     pub cycles_s: f64,
 }
 
-/// Receives the output of a run while it runs. `Err` ends the run with outcome `error` and that message.
+/// Why an observer cannot continue.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub struct ObserverError(Box<dyn std::error::Error + Send + Sync>);
+
+impl ObserverError {
+    /// Wraps the error of an observer.
+    pub fn new(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
+        ObserverError(error.into())
+    }
+}
+
+/// Receives the output of a run while it runs. `Err` ends the run with outcome `error` and the
+/// error's message.
 pub trait Observer {
     /// Called at the log rate and once at the end.
-    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String>;
-    /// Called at once for every event, in time order.
-    fn event(&mut self, event: &SimEvent) -> Result<(), String>;
+    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), ObserverError>;
+    /// Called for every event when it happens, in time order.
+    fn event(&mut self, event: &SimEvent) -> Result<(), ObserverError>;
     /// Samples per simulated second that it receives; constant throughout a run. 0: none.
     fn sample_rate(&self) -> f64 {
         0.0
     }
-    /// Called with samples in time order: at `k / rate` before the end of the run, and at the end if it was reached.
-    /// Unlike snapshots they are exactly at these instants.
-    fn sample(&mut self, _: &Sample) -> Result<(), String> {
+    /// Called with samples in time order: at `k / rate` before the end of the run, and at the end
+    /// if it was reached. Unlike snapshots they are exactly at these instants.
+    fn sample(&mut self, _: &Sample) -> Result<(), ObserverError> {
         Ok(())
     }
     /// Contact problems that it receives; constant throughout a run.
@@ -233,7 +249,7 @@ pub trait Observer {
         Problems::None
     }
     /// Called for every selection of the requested kind, before the event that belongs to it.
-    fn problem(&mut self, _: &SelectionRecord) -> Result<(), String> {
+    fn problem(&mut self, _: &SelectionRecord) -> Result<(), ObserverError> {
         Ok(())
     }
 }
@@ -252,10 +268,10 @@ pub enum Problems {
 
 /// Ignores everything a run reports.
 impl Observer for () {
-    fn snapshot(&mut self, _: &Snapshot) -> Result<(), String> {
+    fn snapshot(&mut self, _: &Snapshot) -> Result<(), ObserverError> {
         Ok(())
     }
-    fn event(&mut self, _: &SimEvent) -> Result<(), String> {
+    fn event(&mut self, _: &SimEvent) -> Result<(), ObserverError> {
         Ok(())
     }
 }
@@ -264,10 +280,10 @@ impl Observer for () {
 pub struct NullObserver;
 
 impl Observer for NullObserver {
-    fn snapshot(&mut self, _: &Snapshot) -> Result<(), String> {
+    fn snapshot(&mut self, _: &Snapshot) -> Result<(), ObserverError> {
         Ok(())
     }
-    fn event(&mut self, _: &SimEvent) -> Result<(), String> {
+    fn event(&mut self, _: &SimEvent) -> Result<(), ObserverError> {
         Ok(())
     }
 }

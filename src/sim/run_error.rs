@@ -1,6 +1,7 @@
 //! Errors that end a run early.
 
 use super::report::Outcome;
+use std::fmt::Display;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Why a run ended early: its outcome and a message.
@@ -9,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct RunError {
     /// Outcome of the run.
     pub outcome: Outcome,
-    /// What happened, with place and time.
+    /// What happened, where and when.
     pub message: String,
 }
 
@@ -20,12 +21,20 @@ impl RunError {
     }
 
     /// An early end with outcome `error`.
-    pub fn internal(message: impl Into<String>) -> Self {
-        RunError::new(Outcome::Error, message)
+    pub fn internal(cause: impl Display) -> Self {
+        RunError::new(Outcome::Error, cause.to_string())
     }
 
-    /// Outcome and message of a run. After an interruption the outcome is `cancelled`, whatever error a script or
-    /// link reported because of it.
+    /// The outcome's name and the message.
+    pub fn with_outcome(&self) -> String {
+        match self.message.as_str() {
+            "" => self.outcome.name().to_owned(),
+            message => format!("{}: {message}", self.outcome.name()),
+        }
+    }
+
+    /// Outcome and message of a run. After an interruption the outcome is `cancelled`, whatever
+    /// error a script or link reported because of it.
     pub fn outcome_of(end: Result<(), RunError>, cancel: &AtomicBool) -> (Outcome, String) {
         match end {
             Ok(()) => (Outcome::Passed, String::new()),

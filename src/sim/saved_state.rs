@@ -14,7 +14,7 @@ pub struct SavedState {
     directions: Vec<Vec<Vector2<f64>>>,
     anchors: Vec<Vec<Vector3<f64>>>,
     suspect: [u8; MAX_SOLES],
-    /// Contact forces, from which methods that do not search decide the next states.
+    /// Contact forces, from which methods without a search derive the next states.
     solution: Solution,
 }
 
@@ -41,7 +41,8 @@ impl SavedState {
         self.solution.copy_from(&plant.solution);
     }
 
-    /// Restores the state at the plant's present time. Kinematic joints stay on their commanded motion.
+    /// Restores the state at the plant's present time. Kinematic joints stay on their commanded
+    /// motion.
     pub fn restore(&self, plant: &mut Plant, anchors: &mut [Vec<Vector3<f64>>], suspect: &mut [u8; MAX_SOLES]) {
         let time = plant.state.time;
         plant.state.copy_from(&self.state);
@@ -52,9 +53,7 @@ impl SavedState {
         copy(anchors, &self.anchors);
         *suspect = self.suspect;
         plant.solution.copy_from(&self.solution);
-        for (sole, directions) in plant.problem.soles.iter_mut().zip(&self.directions) {
-            sole.vertices.iter_mut().zip(directions).for_each(|(v, d)| v.direction = *d);
-        }
+        plant.problem.set_directions(&self.directions);
     }
 }
 

@@ -1,8 +1,9 @@
-//! Events of the scenario: parameters that change while running, tasks that end, states saved and restored.
+//! Events of the scenario: parameters that change while running, tasks that end, states saved and
+//! restored.
 //!
-//! An event happens at its instant, between two steps; contact states are chosen anew afterwards. An event moves
-//! nothing: the energy that a new payload or another gravity adds counts as external work, and so does that of a
-//! restored state.
+//! An event happens at its instant, between two steps; contact states are then selected again. The
+//! energy that a new payload, another gravity or a restored state adds counts as work of external
+//! forces.
 
 use super::floor::Floor;
 use crate::force::Force;
@@ -33,6 +34,6 @@ pub struct ScenarioEvent {
     pub floor: Option<Floor>,
     /// New coefficient of restitution.
     pub restitution: Option<f64>,
-    /// New force models, by the number of the one replaced.
+    /// New force models, each with the number of the model that it replaces.
     pub forces: Vec<(usize, Box<dyn Force>)>,
 }

@@ -1,7 +1,8 @@
-//! Monitors self-collision of the robot and makes commands safe from it.
+//! Monitors self-collision of the robot and modifies commands to avoid it.
 //!
-//! A lower bound on the distance of the nearest pair of bodies avoids most tests: with d at the posture c of the last
-//! test, and L_k the greatest lever of joint k in any pair, no pair is nearer than
+//! A lower bound on the distance of the nearest pair of bodies avoids most tests. With d the
+//! distance at the posture c of the last test, and L_k the greatest lever of joint k in any pair,
+//! no pair is nearer than
 //!
 //! ```text
 //! d - sum over k of L_k |q_k - c_k|
@@ -12,6 +13,7 @@
 use std::sync::Arc;
 
 use super::report::{AvoidanceTime, Metrics, SelfContactSnapshot};
+use super::setup::Setup;
 use crate::collision::avoidance::{self, Avoider, JointCommands, Settings};
 use crate::collision::{CollisionModel, Detector, LinkPose, link_poses};
 use crate::dynamics::{State, Workspace};
@@ -37,27 +39,42 @@ pub struct SelfCollisionMonitor {
     poses: Vec<LinkPose>,
     margin: f64,
     avoider: Option<Avoider>,
-    /// Measured joint motion, of joints that follow no positions.
+    /// Measured joint positions and velocities.
     measured: (Vec<f64>, Vec<f64>),
+    /// For each joint: does it follow commanded positions?
     follows: Vec<bool>,
     /// Greatest lever of each joint, m/rad or 1.
     levers: Vec<f64>,
-    /// Posture of the last test, and its least distance.
+    /// Posture of the last test, and its least distance, m.
     tested: Vec<f64>,
     least: f64,
     /// Time of the last check, s.
-    checked: f64,
+    checked_at: f64,
+    /// For each pair: do its bodies overlap?
     touching: Vec<bool>,
+    /// Least distance of the run, m.
     smallest: f64,
+    /// Time with a distance below the margin, s.
     near: f64,
+    /// Overlaps that began.
     collisions: u64,
-    /// Processor time of avoidance.
-    spent: AvoidanceTime,
+    avoidance_time: AvoidanceTime,
 }
 
 impl SelfCollisionMonitor {
-    /// Prepares the monitor of a run; `period` is that of the control ticks, s.
-    pub fn new(setup: SelfCollisionSetup, model: &Model, command: &Command, state: &State, period: f64) -> Self {
+    /// Prepares the monitor of a run that starts at `state`, if `setup` has one. Avoidance needs a
+    /// control tick in every period.
+    pub fn of_run(setup: &mut Setup, state: &State) -> Option<Box<Self>> {
+        let collision = setup.self_collision.take()?;
+        if collision.avoid.is_some() {
+            setup.tasks.tick_always();
+        }
+        let (command, period) = (&setup.tasks.command, setup.tasks.period());
+        Some(Box::new(SelfCollisionMonitor::new(collision, &setup.model, command, state, period)))
+    }
+
+    /// Prepares a monitor; `period` is that of the control ticks, s.
+    fn new(setup: SelfCollisionSetup, model: &Model, command: &Command, state: &State, period: f64) -> Self {
         let SelfCollisionSetup { collision, margin, avoid } = setup;
         let nj = model.nj();
         let start = (state.time, period);
@@ -71,17 +88,17 @@ impl SelfCollisionMonitor {
             levers: avoidance::levers(model, &collision),
             tested: vec![f64::NAN; nj],
             least: f64::NEG_INFINITY,
-            checked: state.time,
+            checked_at: state.time,
             touching: vec![false; collision.pairs.len()],
             smallest: f64::INFINITY,
             near: 0.0,
             collisions: 0,
-            spent: AvoidanceTime { total_s: 0.0, cycles_s: 0.0 },
+            avoidance_time: AvoidanceTime { total_s: 0.0, cycles_s: 0.0 },
             collision,
         }
     }
 
-    /// Makes joint commands safe.
+    /// Modifies joint commands to avoid self-collision, if configured.
     pub fn avoid(&mut self, model: &Model, state: &State, command: &mut Command) {
         let Some(avoider) = &mut self.avoider else { return };
         let clock = ThreadTime::try_now().ok();
@@ -101,16 +118,16 @@ impl SelfCollisionMonitor {
         avoider.tick(model, state.time, &mut commands);
         // NaN on systems without a clock per thread.
         let spent = clock.and_then(|c| c.try_elapsed().ok()).map_or(f64::NAN, |d| d.as_secs_f64());
-        self.spent.total_s += spent;
+        self.avoidance_time.total_s += spent;
         if avoider.statistics.cycles > cycles {
-            self.spent.cycles_s += spent;
+            self.avoidance_time.cycles_s += spent;
         }
     }
 
-    /// Checks a posture; calls `report` for pairs that begin or end to overlap.
+    /// Checks a posture. Calls `report` for each pair whose overlap begins or ends.
     pub fn check(&mut self, model: &Model, state: &State, mut report: impl FnMut(&str, usize, &CollisionModel)) {
-        let passed = state.time - self.checked;
-        self.checked = state.time;
+        let elapsed = state.time - self.checked_at;
+        self.checked_at = state.time;
         let moved: f64 =
             self.levers.iter().zip(&self.tested).zip(&state.joints).map(|((l, a), b)| l * (a - b).abs()).sum();
         if self.least - moved > self.smallest.max(self.margin) {
@@ -119,7 +136,7 @@ impl SelfCollisionMonitor {
         let distance = self.test(model, &state.joints);
         self.smallest = self.smallest.min(distance);
         if distance < self.margin {
-            self.near += passed;
+            self.near += elapsed;
         }
         if distance > 0.0 && !self.touching.contains(&true) {
             return;
@@ -154,7 +171,7 @@ impl SelfCollisionMonitor {
         if let Some(avoider) = &self.avoider {
             (out.cycles, out.tests) = (avoider.statistics.cycles, avoider.statistics.tests_last);
             out.frozen.copy_from_slice(avoider.stopped());
-            out.wanted.iter_mut().enumerate().for_each(|(j, w)| *w = avoider.desired(j));
+            out.desired.iter_mut().enumerate().for_each(|(j, w)| *w = avoider.desired(j));
         }
     }
 
@@ -165,13 +182,13 @@ impl SelfCollisionMonitor {
         SelfContactSnapshot {
             pairs: self.collision.pairs.iter().map(name).collect(),
             frozen: vec![false; joints],
-            wanted: vec![0.0; joints],
+            desired: vec![0.0; joints],
             ..SelfContactSnapshot::default()
         }
     }
 
     /// Writes the measurements into the metrics.
-    pub fn write(&self, m: &mut Metrics) {
+    pub fn write_metrics(&self, m: &mut Metrics) {
         m.min_self_distance_m = Some(self.smallest).filter(|d| d.is_finite());
         m.self_collisions = Some(self.collisions);
         m.self_near_s = Some(self.near);
@@ -187,7 +204,7 @@ impl SelfCollisionMonitor {
     }
 
     /// Processor time of avoidance, if configured.
-    pub fn spent(&self) -> Option<AvoidanceTime> {
-        self.avoider.is_some().then_some(self.spent)
+    pub fn avoidance_time(&self) -> Option<AvoidanceTime> {
+        self.avoider.is_some().then_some(self.avoidance_time)
     }
 }

@@ -19,23 +19,23 @@ use crate::task::{Command, TaskServer};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::sync::Arc;
 
-/// A state imposed on a sole for a span of time.
+/// A state imposed on a sole for a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forced {
     /// Index of the sole.
     pub sole: usize,
     /// The state.
     pub state: SoleState,
-    /// From, s.
+    /// Start, s.
     pub from: f64,
-    /// To, s.
+    /// End, s.
     pub to: f64,
 }
 
 /// Contact method and parameters.
 #[derive(Debug)]
 pub struct ContactSetup {
-    /// The method: one of [`crate::contact::methods::registry::METHODS`], or another.
+    /// The method: one of [`crate::contact::methods::registry::METHODS`], or a caller's own.
     pub method: Box<dyn ContactMethod>,
     /// Tolerances d, v_t, a_t and the rest speed.
     pub tolerances: Tolerances,
@@ -61,7 +61,7 @@ pub enum IntegratorSetup {
         /// Largest step, s.
         max_step: f64,
     },
-    /// A Runge-Kutta method in fixed steps, shortened where they end at an event.
+    /// A Runge-Kutta method in fixed steps, shortened only to end at an event.
     Stepped {
         /// The method.
         method: &'static Tableau,
@@ -81,7 +81,7 @@ pub struct Start {
     /// Base position, world, m.
     pub position: Vector3<f64>,
     /// Base orientation.
-    pub rotation: nalgebra::UnitQuaternion<f64>,
+    pub rotation: UnitQuaternion<f64>,
     /// Joint positions.
     pub joints: Vec<f64>,
     /// Generalised velocity, see [`crate::robot::model`].
@@ -128,7 +128,7 @@ pub struct Setup {
     pub saved_states: usize,
     /// Simulated time, s.
     pub duration: f64,
-    /// Snapshots per second, 0 for none but the last.
+    /// Snapshots per second; 0: only the last.
     pub log_rate: f64,
     /// End the run when the base is lower than this above the floor, m.
     pub fallen_below: Option<f64>,
@@ -137,13 +137,14 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// A run of a robot with the defaults of a scenario file: gravity 9.81 m/s^2 along -z, a level floor at height 0 with
-    /// friction 0.8 (static) and 0.6 (kinetic), contact method `exact` with located events, integrator `dopri5` with
-    /// tolerances 1e-6 (relative) and 1e-8 (absolute), joints held in the home posture, control ticks of 1 kHz.
+    /// A run of a robot with the defaults of a scenario file: gravity 9.81 m/s^2 along -z, a level
+    /// floor at height 0 with friction 0.8 (static) and 0.6 (kinetic), contact method `exact` with
+    /// located events, integrator `dopri5` with tolerances 1e-6 (relative) and 1e-8 (absolute),
+    /// joints held in the home posture, control ticks of 1 kHz.
     ///
-    /// The robot starts at rest with its base at the origin. The run lasts 1 s and logs only its end. There are no tasks,
-    /// forces, events, sensor errors and estimators. All fields can be changed before
-    /// [`Simulation::new`](super::Simulation::new).
+    /// The robot starts at rest with its base at the origin. The run lasts 1 s and logs only its
+    /// end. There are no tasks, forces, events, sensor errors and estimators. All fields can be
+    /// changed before [`Simulation::new`](super::Simulation::new).
     pub fn new(model: Arc<Model>) -> Self {
         let command = Command::hold(&model, &model.home);
         Setup {
@@ -189,17 +190,22 @@ impl Setup {
         }
     }
 
-    /// The plant's part of the setup; takes the forces out of it.
-    pub fn plant(&mut self) -> PlantSetup {
+    /// The initial state of the robot.
+    pub fn initial_state(&self) -> State {
         let mut state = State::home(&self.model);
         (state.position, state.rotation) = (self.start.position, self.start.rotation);
         state.joints.copy_from_slice(&self.start.joints);
         state.v.copy_from_slice(&self.start.v);
+        state
+    }
+
+    /// The plant's part of the setup. Takes the forces out of the setup.
+    pub fn plant(&mut self) -> PlantSetup {
         PlantSetup {
             model: self.model.clone(),
             gravity: self.gravity,
             floor: self.floor.clone(),
-            state,
+            state: self.initial_state(),
             joint_stops: self.joint_stops,
             forces: std::mem::take(&mut self.forces),
             command: self.tasks.command.clone(),
@@ -211,7 +217,7 @@ impl Setup {
         }
     }
 
-    /// Instants at which something jumps, s, ascending: steps end there.
+    /// Instants at which forces, masses or settings change abruptly, s, ascending. Steps end there.
     pub fn corners(&self) -> Vec<f64> {
         let mut corners: Vec<f64> = self.forces.iter().flat_map(|force| force.corners().to_vec()).collect();
         corners.extend(self.carried_objects.iter().flat_map(|object| [object.from, object.to]));

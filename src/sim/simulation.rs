@@ -46,9 +46,7 @@ impl Simulation {
         check_soles(&model)?;
         let mut problem = Problem::new(&model.soles.iter().map(|s| s.vertices.len()).collect::<Vec<_>>());
         for (sole, geometry) in problem.soles.iter_mut().zip(&model.soles) {
-            let centre = geometry.vertices.iter().sum::<Vector3<f64>>() / geometry.vertices.len() as f64;
-            let reach = geometry.vertices.iter().map(|v| (v - centre).norm()).fold(0.0, f64::max);
-            sole.radius = if reach > 0.0 { reach } else { 1.0 };
+            sole.radius = geometry.radius();
             sole.body = geometry.link.0;
             for v in &mut sole.vertices {
                 (v.mu_s, v.mu_k) = (setup.floor.mu_s, setup.floor.mu_k);
@@ -67,7 +65,7 @@ impl Simulation {
         }
         let sensors = Sensors::new(&plant, setup.sensors, setup.imu, setup.tasks.period(), setup.seed);
         let estimator = Estimator::new(&setup.estimator, &model, setup.imu, setup.gravity);
-        if estimator.adds_forces() || setup.command_source.is_some() {
+        if estimator.integrates_forces() || setup.command_source.is_some() {
             plant.impulses = Some(SoleImpulses::new(model.soles.len()));
         }
         let mut first = snapshot::blank(&model);
@@ -77,13 +75,7 @@ impl Simulation {
             setup.tasks.tick_always();
             first.estimate = Some(snapshot::blank_estimate(&model));
         }
-        let self_collision = setup.self_collision.take().map(|own| {
-            if own.avoid.is_some() {
-                setup.tasks.tick_always();
-            }
-            let (command, period) = (&setup.tasks.command, setup.tasks.period());
-            Box::new(SelfCollisionMonitor::new(own, &model, command, &plant.state, period))
-        });
+        let self_collision = SelfCollisionMonitor::of_run(&mut setup, &plant.state);
         first.self_contact = self_collision.as_ref().map(|monitor| monitor.blank());
         let mut run = RunState {
             tolerances,
@@ -102,7 +94,7 @@ impl Simulation {
             anchors: model.soles.iter().map(|s| vec![Vector3::zeros(); s.vertices.len()]).collect(),
             projection,
             displacement: vec![0.0; model.nv()],
-            posed_problem: None,
+            recorded_problem: None,
             log: SnapshotLog::new(first, setup.log_rate),
             sampler: None,
             started: false,
@@ -147,7 +139,7 @@ impl Simulation {
 
     /// Processor time of self-collision avoidance, if configured.
     pub fn avoidance_time(&self) -> Option<AvoidanceTime> {
-        self.run.self_collision.as_ref().and_then(|monitor| monitor.spent())
+        self.run.self_collision.as_ref().and_then(|monitor| monitor.avoidance_time())
     }
 
     /// Prepares the first step; [`run`](Self::run) calls this.
@@ -160,7 +152,7 @@ impl Simulation {
         run.sampler = (rate > 0.0).then(|| Box::new(Sampler::new(rate, run.duration, &run.plant.state)));
         run.plant.init_forces().map_err(RunError::internal)?;
         run.apply_due_events(observer)?;
-        pass_forces(run, observer)?;
+        notify_forces(run, observer)?;
         run.update_carried_objects(observer)?;
         run.control_tick(observer)?;
         let plant = &mut run.plant;
@@ -198,13 +190,13 @@ impl Simulation {
         let corner = run.corners.contains(&t);
         let restarts = corner && run.apply_due_events(observer)?;
         if corner {
-            pass_forces(run, observer)?;
+            notify_forces(run, observer)?;
             run.update_carried_objects(observer)?;
         }
         if ticks {
             run.control_tick(observer)?;
         }
-        let jump = if corner {
+        let discontinuity = if corner {
             run.report_imposed(observer)?;
             Discontinuity::Corner
         } else if ticks || run.plant.kinematic_paths.ends(t) {
@@ -212,15 +204,15 @@ impl Simulation {
         } else {
             Discontinuity::None
         };
-        let corner = run.corners.iter().copied().find(|c| *c > t);
-        let ends = [run.tasks.next_tick(), corner, run.plant.kinematic_paths.corner(t)];
+        let next_corner = run.corners.iter().copied().find(|c| *c > t);
+        let ends = [run.tasks.next_tick(), next_corner, run.plant.kinematic_paths.corner(t)];
         let until = ends.into_iter().flatten().fold(run.duration, f64::min);
         let result = match &mut self.stepper {
             Stepper::Explicit(stepper) => {
                 if restarts {
                     stepper.restart();
                 }
-                stepper.step(run, until, jump, observer)
+                stepper.step(run, until, discontinuity, observer)
             }
             Stepper::SemiImplicit(stepper) => stepper.step(run, until, observer),
         };
@@ -266,7 +258,7 @@ impl Simulation {
         let is_floating = run.plant.model.nb() == 6;
         m.final_base_velocity = if is_floating { [state.v[0], state.v[1], state.v[2]] } else { [0.0; 3] };
         if let Some(monitor) = &run.self_collision {
-            monitor.write(m);
+            monitor.write_metrics(m);
         }
         run.plant.evaluate_free();
         run.measure_energy();
@@ -277,7 +269,7 @@ impl Simulation {
 
 fn check_soles(model: &Model) -> Result<(), RunError> {
     if model.soles.len() > MAX_SOLES {
-        let message = format!("{} soles, at most {MAX_SOLES} are supported", model.soles.len());
+        let message = format!("the robot has {} soles, at most {MAX_SOLES} are supported", model.soles.len());
         return Err(RunError::internal(message));
     }
     if let Some(s) = model.soles.iter().find(|s| s.vertices.is_empty() || s.vertices.len() > 64) {
@@ -302,24 +294,24 @@ fn stepper(integrator: &IntegratorSetup, n: usize) -> Stepper {
     }
 }
 
-/// Notifies the force models of a corner, or of the start.
-fn pass_forces(run: &mut RunState, observer: &mut dyn Observer) -> Result<(), RunError> {
+/// Notifies the force models of a corner or of the start.
+fn notify_forces(run: &mut RunState, observer: &mut dyn Observer) -> Result<(), RunError> {
     let time = run.plant.state.time;
     let mut failure = None;
     run.plant.pass_forces(&mut |kind, subject, message| {
         let event = SimEvent { time, kind: EventKind::Force(kind), subject: subject.to_string(), message };
         failure = failure.take().or(observer.event(&event).err());
     });
-    failure.map_or(Ok(()), |m| Err(RunError::internal(m)))
+    failure.map_or(Ok(()), |e| Err(RunError::internal(e)))
 }
 
 /// Fails when a force model has failed.
 fn check_forces(run: &mut RunState) -> Result<(), RunError> {
-    let fault = run.plant.forces.iter().find_map(|f| f.failure());
-    fault.map_or(Ok(()), |m| Err(RunError::internal(format!("{m} at {:.6} s", run.plant.state.time))))
+    let failure = run.plant.forces.iter().find_map(|f| f.failure());
+    failure.map_or(Ok(()), |e| Err(RunError::internal(format!("{e} at {:.6} s", run.plant.state.time))))
 }
 
-/// Fails when the base is below the height at which the robot has fallen.
+/// Fails when the base is below the height at which the robot counts as fallen.
 fn check_fallen(run: &mut RunState, observer: &mut dyn Observer) -> Result<(), RunError> {
     let Some(below) = run.fallen_below else { return Ok(()) };
     let height = run.plant.floor.height(&run.plant.state.position);

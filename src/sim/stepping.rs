@@ -1,6 +1,7 @@
-//! Stepping a simulation by hand and reading its state: the part of [`Simulation`] that programs use.
+//! Stepping a simulation by hand and reading its state: the part of [`Simulation`] that programs
+//! use.
 
-use super::report::{Observer, Outcome, Snapshot};
+use super::report::{Observer, Outcome};
 use super::run_error::RunError;
 use super::simulation::Simulation;
 use crate::contact::model::state::SoleState;
@@ -9,11 +10,11 @@ use crate::robot::Model;
 use std::sync::atomic::AtomicBool;
 
 impl Simulation {
-    /// Advances to the first end of a step at or after `time` (s), or to the end of the run. Control ticks, corners of
-    /// forces and located events end steps.
+    /// Advances to the first end of a step at or after `time` (s), or to the end of the run.
+    /// Control ticks, corners of forces and located events end steps.
     ///
     /// # Errors
-    /// Why the run ended early; it cannot be continued then.
+    /// Why the run ended early. It cannot be continued then.
     pub fn advance_to(&mut self, time: f64, observer: &mut dyn Observer) -> Result<(), RunError> {
         if !self.run.started {
             self.begin(observer)?;
@@ -48,11 +49,6 @@ impl Simulation {
     /// Positions and velocities of base and joints.
     pub fn state(&self) -> &State {
         &self.run.plant.state
-    }
-
-    /// Everything a log holds at one instant, at the present one. Changes nothing of the run.
-    pub fn snapshot(&mut self) -> Snapshot {
-        self.inspect()
     }
 
     /// Contact state of each sole, in the order of the model's soles.

@@ -1,19 +1,19 @@
-//! `jobs.json`: what was submitted, so that it can be found, and told from what is submitted next.
+//! Reads and writes `jobs.json`, the record of a submission. It names the jobs and identifies the
+//! plan, so that a later submission to the same folder can be compared with it.
 
-use std::io::Write;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use crate::files::input::{self, MOST_TEXT};
-use crate::files::{RecordError, atomic};
+use crate::files::{RecordError, json};
 
 /// Format version of `jobs.json`.
 pub const SUBMIT_SCHEMA: u32 = 1;
 
 pub(super) use crate::files::names::JOBS;
 
-/// A sweep that was submitted.
+/// A submitted sweep.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Jobs {
     /// Format version, [`SUBMIT_SCHEMA`].
@@ -26,49 +26,35 @@ pub struct Jobs {
     pub parts: u64,
     /// Runs of the whole plan.
     pub runs: usize,
-    /// A hash of them, as in `shard.jsonl`.
+    /// Hash of the plan, as in `shard.jsonl`.
     pub plan: String,
-    /// What every part runs, word by word; the engine adds which part it is.
+    /// Command of every part, one entry per argument; the engine adds the number of the part.
     pub command: Vec<String>,
-    /// Number of the array of jobs.
+    /// Number of the job array.
     pub array: String,
-    /// Number of the job that merges; none until it was submitted.
+    /// Number of the job that merges; none until it is submitted.
     pub merge: Option<String>,
 }
 
 impl Jobs {
-    /// Reads what was submitted last; none if nothing was.
+    /// Reads the last submission; none if there is none.
     ///
     /// # Errors
-    /// The file cannot be read, is none, or of another version.
+    /// The file cannot be read, is invalid, or has another version.
     pub fn read(scripts: &Path) -> Result<Option<Self>, RecordError> {
-        #[derive(Deserialize)]
-        struct Version {
-            schema: u64,
-        }
         let path = scripts.join(JOBS);
-        let json = |source| RecordError::Json { path: path.clone(), source };
         let bytes = match input::read(&path, MOST_TEXT) {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             bytes => bytes.map_err(RecordError::io(&path))?,
         };
-        let Version { schema } = serde_json::from_slice(&bytes).map_err(json)?;
-        if schema != u64::from(SUBMIT_SCHEMA) {
-            return Err(RecordError::Version { path, found: schema, expected: SUBMIT_SCHEMA });
-        }
-        serde_json::from_slice(&bytes).map(Some).map_err(json)
+        json::parse(&bytes, &path, SUBMIT_SCHEMA).map(Some)
     }
 
-    /// Writes it.
+    /// Writes the file.
     ///
     /// # Errors
     /// The file cannot be written.
     pub fn write(&self, scripts: &Path) -> Result<(), RecordError> {
-        let path = scripts.join(JOBS);
-        atomic::write(&path, |out| {
-            serde_json::to_writer_pretty(&mut *out, self)
-                .map_err(|source| RecordError::Json { path: path.clone(), source })?;
-            out.write_all(b"\n").map_err(RecordError::io(&path))
-        })
+        json::write_pretty(&scripts.join(JOBS), self)
     }
 }

@@ -1,47 +1,50 @@
-//! A sweep given to an engine that runs jobs on many machines: an array of jobs, one for each part, and a job after them that
-//! merges. What is the same for every engine is here; each engine has a folder of its own.
+//! Submits a sweep to a job scheduler (the engine) of a cluster: an array with one job per part,
+//! then a job that merges the results. This folder has the parts common to all engines; each
+//! engine has its own folder.
 //!
 //! ```text
-//! DIR/part-0, DIR/part-1, ...   the parts, folders of results (docs/scale.md)
-//! DIR/results                   what one batch of all runs would have left
-//! DIR/submit                    scripts, jobs.json, what the jobs said
+//! DIR/part-0, DIR/part-1, ...   results of the parts (docs/scale.md)
+//! DIR/results                   merged results, equal to those of one batch
+//! DIR/submit                    scripts, jobs.json, output of the jobs
 //! ```
 //!
-//! Scripts are read by shells and by engines that have rules of their own for quotes, so every word of them is quoted here;
-//! programs are started with their arguments as a list, never through a shell.
+//! Shells and engines have different quoting rules for scripts, so this room quotes every argument
+//! in them. Programs are started with a list of arguments, never through a shell.
+//!
+//! Imports: `files`, `results`. Used by: `cli`.
 
-mod error;
-mod folder;
+mod engine_command;
+mod folder_check;
 mod jobs;
+mod quoting;
 pub mod slurm;
-mod text;
-mod tool;
+mod submit_error;
 
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
-pub use error::SubmitError;
 pub use jobs::{Jobs, SUBMIT_SCHEMA};
+pub use submit_error::{SubmitError, WaitError};
 
-/// Parts that a sweep is shared out in at most: each is a line of the scripts and a folder.
-const MOST_PARTS: u64 = 100_000;
+/// Largest number of parts; each needs a line in the scripts and a folder.
+const MAX_PARTS: u64 = 100_000;
 
-/// What is to be shared out.
+/// A sweep to submit.
 #[derive(Clone, Debug)]
 pub struct Sweep {
-    /// The program, its absolute path.
+    /// Absolute path of the program.
     pub runner: PathBuf,
-    /// Arguments of `runner run` that all parts share: options and scenarios, these by their absolute paths.
+    /// Arguments of `runner run` that all parts share: options and absolute paths of scenarios.
     pub arguments: Vec<String>,
-    /// The number of runs of a part side by side; none: as many as the job has processors.
+    /// Parallel runs of a part; none: the number of processors of the job.
     pub jobs: Option<NonZero<usize>>,
-    /// Folder of everything, absolute.
+    /// Absolute path of the folder of parts, results and scripts.
     pub folder: PathBuf,
     /// Number of parts.
     pub parts: NonZero<u64>,
     /// Runs of the whole plan.
     pub runs: usize,
-    /// A hash of them, see [`crate::results::PlanHash`].
+    /// Hash of the plan, see [`crate::results::PlanHash`].
     pub plan: String,
 }
 
@@ -51,7 +54,7 @@ impl Sweep {
         self.folder.join("results")
     }
 
-    /// Folder of scripts, `jobs.json` and what the jobs say.
+    /// Folder of scripts, `jobs.json` and the output of the jobs.
     pub fn scripts(&self) -> PathBuf {
         self.folder.join("submit")
     }
@@ -61,30 +64,30 @@ impl Sweep {
         self.folder.join(format!("part-{number}"))
     }
 
-    /// Has every part a run, and are there no more parts than can be written down in reasonable time?
+    /// Checks the number of parts.
     ///
     /// # Errors
-    /// Not so.
+    /// There are more parts than runs, or more than 100 000.
     pub fn check_parts(&self) -> Result<(), SubmitError> {
         let (parts, runs) = (self.parts.get(), self.runs as u64);
         match parts {
-            _ if parts > runs => Err(SubmitError::Idle { parts, runs }),
-            _ if parts > MOST_PARTS => Err(SubmitError::TooManyParts { parts, most: MOST_PARTS }),
+            _ if parts > runs => Err(SubmitError::MorePartsThanRuns { parts, runs }),
+            _ if parts > MAX_PARTS => Err(SubmitError::TooManyParts { parts, most: MAX_PARTS }),
             _ => Ok(()),
         }
     }
 
-    /// Is there nothing in the folder that belongs to another plan? What is there of this one is completed.
+    /// Checks that the folder has no results of another plan; parts of this one are completed.
     ///
     /// # Errors
-    /// There is, or it cannot be looked at.
+    /// It has other results, or cannot be read.
     pub fn check_folder(&self) -> Result<(), SubmitError> {
-        folder::check(self)
+        folder_check::check(self)
     }
 }
 
-/// Where a file of the sweep is, for words to people.
-pub(crate) fn shown(path: &Path) -> String {
+/// A path as text for messages and commands.
+pub(crate) fn display(path: &Path) -> String {
     path.display().to_string()
 }
 
@@ -93,8 +96,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parts_have_a_limit_and_a_run_each() {
-        let told = |parts, runs| {
+    fn parts_are_limited_by_runs_and_a_maximum() {
+        let message = |parts, runs| {
             let parts = NonZero::new(parts).unwrap();
             let sweep = Sweep {
                 runner: PathBuf::new(),
@@ -107,8 +110,11 @@ mod tests {
             };
             sweep.check_parts().err().map(|error| error.to_string()).unwrap_or_default()
         };
-        assert_eq!(told(100_000, 1_000_000), "");
-        assert_eq!(told(100_001, 1_000_000), "--parts 100001: at most 100000 are made; give each part more runs");
-        assert!(told(3, 2).contains("there are 2 runs"));
+        assert_eq!(message(100_000, 1_000_000), "");
+        assert_eq!(
+            message(100_001, 1_000_000),
+            "--parts 100001: at most 100000 are allowed; put more runs into each part"
+        );
+        assert!(message(3, 2).contains("there are 2 runs"));
     }
 }

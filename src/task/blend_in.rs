@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Commanded position and velocity are continuous. A motion that begins at the commanded position
-//! and velocity is unchanged.
+//! and velocity is not changed.
 
 use super::{Command, has_elapsed};
 use crate::motion::spline::{TrajectoryPoint, quintic};
@@ -20,25 +20,24 @@ pub struct BlendIn {
 }
 
 impl BlendIn {
-    /// Blends of `duration` seconds (0: none) for so many joints.
+    /// Blends of `duration` seconds (0: none) for `joints` joints.
     pub fn new(duration: f64, joints: usize) -> Self {
         BlendIn { duration, from: vec![TrajectoryPoint::default(); joints] }
     }
 
-    /// Starts the blend of the task's joint number `i`, which is `joint`; its motion begins at
-    /// `motion`.
+    /// Starts the blend of `joint`, number `i` of the task, whose motion begins at `motion`.
     pub fn begin(&mut self, i: usize, joint: JointId, command: &Command, motion: &TrajectoryPoint) {
         let (q, v) = (command.position[joint.0], command.velocity[joint.0]);
         self.from[i] = TrajectoryPoint { q: q - motion.q, v: v - motion.v, a: 0.0 };
     }
 
-    /// True once the blend is over, `t` seconds after the beginning.
+    /// Whether the blend is over `t` seconds after its start.
     pub fn is_over(&self, t: f64) -> bool {
         has_elapsed(t, self.duration)
     }
 
-    /// Sets the command of the task's joint number `i`, `t` seconds after the beginning, its motion
-    /// being at `motion`.
+    /// Sets the command of `joint`, number `i` of the task, `t` seconds after the start, when its
+    /// motion is at `motion`.
     pub fn apply(&self, i: usize, joint: JointId, t: f64, motion: &TrajectoryPoint, command: &mut Command) {
         let e = if self.is_over(t) {
             TrajectoryPoint::default()

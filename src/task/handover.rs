@@ -1,14 +1,14 @@
-//! Hands joints back when a task ends, without jumps and without leftovers under the tasks that
-//! follow.
+//! Hands joints back when a task ends, without jumps and without residues in the commands of later
+//! tasks.
 //!
-//! - **Modes and efforts** of a *temporary* task ([`super::Task::is_temporary`]) hold while it
-//!   lasts. The base layer beneath holds those set by the robot or a script; each tick starts from
-//!   it.
-//! - **Efforts** that such a task leaves on a joint that follows positions or velocities decay to
-//!   those of the base layer within [`RELEASE_TIME`] seconds. On other joints the effort of the base
-//!   layer holds at once.
-//! - **Positions**: where a task that ends releases a joint to an earlier task that is still
-//!   running, their difference decays within [`RELEASE_TIME`] seconds on top of the commanded position.
+//! - **Modes and efforts** of a *temporary* task ([`super::Task::is_temporary`]) apply while it
+//!   runs. Each tick starts from the base layer: the modes and efforts set by the robot or a
+//!   script.
+//! - **Efforts** that an ended temporary task has set on a joint that follows positions or
+//!   velocities decay to those of the base layer within [`RELEASE_TIME`] seconds. On other joints
+//!   the effort of the base layer applies at once.
+//! - **Positions**: if a task that ends releases a joint to an earlier task that is still running,
+//!   their difference decays within [`RELEASE_TIME`] seconds on top of the commanded position.
 //!
 //! Both decay along the quintic of [`super::blend_in`].
 
@@ -17,7 +17,7 @@ use super::has_elapsed;
 use crate::motion::spline::{TrajectoryPoint, quintic};
 use crate::robot::DriveMode;
 
-/// Time in which what an ended task leaves decays, s.
+/// Time in which the offsets of an ended task decay, s.
 pub const RELEASE_TIME: f64 = 0.5;
 
 /// A difference that decays.
@@ -31,7 +31,7 @@ impl ReleaseOffset {
     const NONE: ReleaseOffset =
         ReleaseOffset { from: TrajectoryPoint { q: 0.0, v: 0.0, a: 0.0 }, since: f64::NEG_INFINITY };
 
-    /// The remaining difference; none once it is over.
+    /// The remaining difference; none once it has decayed.
     fn at(&self, time: f64) -> Option<TrajectoryPoint> {
         let t = time - self.since;
         (!has_elapsed(t, RELEASE_TIME)).then(|| quintic(&self.from, &TrajectoryPoint::default(), RELEASE_TIME, t))
@@ -46,18 +46,17 @@ pub struct TemporaryEfforts {
 }
 
 impl TemporaryEfforts {
-    /// For a robot with so many joints.
+    /// For a robot with `joints` joints.
     pub fn new(joints: usize) -> Self {
         TemporaryEfforts { efforts: vec![None; joints] }
     }
 }
 
-/// Position and velocity without a task that has just ended, and the offset that the task had from
-/// them.
+/// Position and velocity without a task that has just ended, and the offset of the task from them.
 #[derive(Clone, Copy, Debug)]
-struct Released {
-    beneath: (f64, f64),
-    apart: TrajectoryPoint,
+struct ReleasedJoint {
+    underlying: (f64, f64),
+    offset: TrajectoryPoint,
 }
 
 /// Base layer of the command, and the differences that decay on top of it.
@@ -67,13 +66,13 @@ pub struct Handover {
     effort: Vec<f64>,
     efforts: Vec<ReleaseOffset>,
     positions: Vec<ReleaseOffset>,
-    /// Position and velocity without decaying differences, where there are any.
+    /// Position and velocity without decaying differences, for joints that have any.
     plain: Vec<Option<(f64, f64)>>,
     /// The command before the current task was called.
     before: Command,
     /// Joints that a task of this tick has moved.
     moved: Vec<bool>,
-    released: Vec<Option<Released>>,
+    released: Vec<Option<ReleasedJoint>>,
     /// Time at which all differences have decayed, s.
     until: f64,
 }
@@ -105,14 +104,15 @@ impl Handover {
         self.moved.fill(false);
         command.mode.copy_from_slice(&self.mode);
         for j in 0..self.mode.len() {
-            command.effort[j] = self.beneath(j, time);
+            command.effort[j] = self.base_effort(j, time);
             if let Some(plain) = self.plain[j].take() {
                 (command.position[j], command.velocity[j]) = plain;
             }
         }
     }
 
-    fn beneath(&self, j: usize, time: f64) -> f64 {
+    /// Effort of the base layer with its decaying difference.
+    fn base_effort(&self, j: usize, time: f64) -> f64 {
         self.effort[j] + self.efforts[j].at(time).map_or(0.0, |p| p.q)
     }
 
@@ -121,12 +121,12 @@ impl Handover {
         self.before.copy_from(command);
     }
 
-    /// Takes the command after a task was called. A temporary task passes its `temporary` efforts;
-    /// `ended` once it is done.
+    /// Processes the command after a task was called. A temporary task passes its `temporary`
+    /// efforts; `ended` when it is done.
     pub fn after(&mut self, temporary: Option<&mut TemporaryEfforts>, ended: bool, time: f64, command: &mut Command) {
         match temporary {
-            None => self.keep(command),
-            Some(temporary) => self.keep_temporary(temporary, ended, time, command),
+            None => self.store(command),
+            Some(temporary) => self.store_temporary(temporary, ended, time, command),
         }
         for j in 0..self.mode.len() {
             let before = (self.before.position[j], self.before.velocity[j]);
@@ -134,13 +134,14 @@ impl Handover {
             if now == before {
                 continue;
             }
-            let apart = TrajectoryPoint { q: now.0 - before.0, v: now.1 - before.1, a: 0.0 };
-            self.released[j] = (ended && self.moved[j]).then_some(Released { beneath: before, apart });
+            let offset = TrajectoryPoint { q: now.0 - before.0, v: now.1 - before.1, a: 0.0 };
+            self.released[j] = (ended && self.moved[j]).then_some(ReleasedJoint { underlying: before, offset });
             self.moved[j] = true;
         }
     }
 
-    fn keep(&mut self, command: &Command) {
+    /// Stores the modes and efforts set by a lasting task in the base layer.
+    fn store(&mut self, command: &Command) {
         for j in 0..self.mode.len() {
             if command.mode[j] != self.before.mode[j] {
                 self.mode[j] = command.mode[j];
@@ -152,15 +153,16 @@ impl Handover {
         }
     }
 
-    fn keep_temporary(&mut self, temporary: &mut TemporaryEfforts, ended: bool, time: f64, command: &mut Command) {
+    /// Records the efforts set by a temporary task; starts their decay when it has ended.
+    fn store_temporary(&mut self, temporary: &mut TemporaryEfforts, ended: bool, time: f64, command: &mut Command) {
         for j in 0..self.mode.len() {
             let set = command.effort[j] != self.before.effort[j] || command.mode[j] != self.before.mode[j];
             if set {
                 temporary.efforts[j] = Some(command.effort[j]);
             }
             let Some(last) = temporary.efforts[j].filter(|_| ended) else { continue };
-            // True where no earlier running task sets the joint beneath this one.
-            let bottom = self.before.mode[j] == self.mode[j] && self.before.effort[j] == self.beneath(j, time);
+            // Whether no earlier running task sets this joint.
+            let is_lowest = self.before.mode[j] == self.mode[j] && self.before.effort[j] == self.base_effort(j, time);
             let decays = matches!(self.mode[j], DriveMode::Position | DriveMode::Velocity);
             self.efforts[j] = ReleaseOffset::NONE;
             if decays {
@@ -168,21 +170,23 @@ impl Handover {
                     ReleaseOffset { from: TrajectoryPoint { q: last - self.effort[j], v: 0.0, a: 0.0 }, since: time };
                 self.until = time + RELEASE_TIME;
             }
-            if bottom {
-                command.effort[j] = self.beneath(j, time);
+            if is_lowest {
+                command.effort[j] = self.base_effort(j, time);
             }
         }
     }
 
-    /// Ends a tick.
+    /// Ends a tick: adds the decaying differences of positions to `command`.
     pub fn end(&mut self, time: f64, command: &mut Command) {
         for j in 0..self.mode.len() {
-            let offset = self.positions[j].at(time);
-            if let Some(Released { beneath, apart }) = self.released[j].take() {
-                (command.position[j], command.velocity[j]) = beneath;
-                let e = offset.unwrap_or_default();
-                self.positions[j] =
-                    ReleaseOffset { from: TrajectoryPoint { q: e.q + apart.q, v: e.v + apart.v, a: e.a }, since: time };
+            let decaying = self.positions[j].at(time);
+            if let Some(ReleasedJoint { underlying, offset }) = self.released[j].take() {
+                (command.position[j], command.velocity[j]) = underlying;
+                let e = decaying.unwrap_or_default();
+                self.positions[j] = ReleaseOffset {
+                    from: TrajectoryPoint { q: e.q + offset.q, v: e.v + offset.v, a: e.a },
+                    since: time,
+                };
                 self.until = time + RELEASE_TIME;
             }
             if let Some(e) = self.positions[j].at(time) {

@@ -23,8 +23,8 @@ pub struct Mocap {
 }
 
 impl Mocap {
-    /// Follows samples taken `rate` times a second from the first tick on; `blend`: time to blend
-    /// in from the command, s.
+    /// Follows samples at `rate` per second from the first tick on; `blend`: time to blend in from
+    /// the command, s.
     pub fn new(joints: Vec<(JointId, Vec<f64>)>, rate: f64, blend: f64) -> Self {
         Mocap { offsets: BlendIn::new(blend, joints.len()), joints, rate, start: 0.0, first: 0.0 }
     }
@@ -51,15 +51,15 @@ impl Task for Mocap {
         let t = context.time - self.start;
         let at = ((context.time - self.first) * self.rate).round() as usize;
         let last = self.joints.first().map_or(0, |(_, samples)| samples.len() - 1);
-        let over = at >= last && self.offsets.is_over(t);
+        let is_over = at >= last && self.offsets.is_over(t);
         for i in 0..self.joints.len() {
             let joint = self.joints[i].0;
             self.offsets.apply(i, joint, t, &self.point(i, at), command);
-            if over {
+            if is_over {
                 command.velocity[joint.0] = 0.0;
             }
         }
-        Ok(if over { Status::Done } else { Status::Running })
+        Ok(if is_over { Status::Done } else { Status::Running })
     }
 
     fn name(&self) -> &str {

@@ -1,20 +1,19 @@
 //! Tasks and the task server, which commands the joints at the control rate.
 //!
 //! As in the paper's section II.B a task has an initialisation, a run and a change function. Tasks
-//! of a scenario start and end by time; where several drive a joint at once, the later one in the
-//! file wins. A task that has ended leaves its joints at their last positions; [`handover`] treats
-//! everything else it has set. Besides the state of the robot a task reads [`Augmented`] data such
+//! of a scenario start and end by time. If several tasks command a joint at once, the last one in
+//! the file applies. The joints of an ended task stay at their last positions; [`handover`] treats
+//! its other commands. In addition to the state of the robot a task reads [`AugmentedData`], such
 //! as Jacobians and the centre of mass. The server computes each part only in ticks at which the
 //! [`Needs`] of a running task include it.
 //!
-//! Imports robot, dynamics, geometry, motion, linalg and contact (load sharing). Called by script,
-//! sim, remote and assemble.
+//! Imports: `linalg`, `geometry`, `robot`, `dynamics`, `motion`, `contact`. Used by: `script`,
+//! `sim`, `assemble`, `remote`, `console`.
 
 pub mod augmented;
 pub mod balance;
 pub mod blend_in;
 pub mod command;
-mod error;
 pub mod gait;
 pub mod handover;
 pub mod kinematic;
@@ -23,19 +22,20 @@ pub mod needs;
 pub mod playback;
 pub mod point_of_interest;
 pub mod posture;
-pub mod sensed;
+pub mod sensor_readings;
 pub mod server;
 pub mod sine;
 pub mod squat;
+mod task_error;
 pub mod walk;
 
-pub use augmented::Augmented;
+pub use augmented::AugmentedData;
 pub use command::Command;
-pub use error::{TaskError, TaskFailure};
 pub use needs::Needs;
 pub use point_of_interest::PointOfInterest;
-pub use sensed::Sensed;
+pub use sensor_readings::SensorReadings;
 pub use server::TaskServer;
+pub use task_error::{TaskError, TaskFailure};
 
 use crate::dynamics::State;
 use crate::geometry::Plane;
@@ -47,7 +47,7 @@ use std::any::Any;
 pub struct Context<'a> {
     /// Simulated time, s.
     pub time: f64,
-    /// Start time of the task, s: this tick or, at the first call, after the tick before.
+    /// Start time of the task, s; at its first call after the previous tick and at most this tick.
     pub start: f64,
     /// The robot.
     pub model: &'a Model,
@@ -55,12 +55,12 @@ pub struct Context<'a> {
     pub gravity: Vector3<f64>,
     /// The floor.
     pub floor: Plane,
-    /// Base and joints as the estimator and the sensors have them.
+    /// Base as estimated, joints as sensed.
     pub state: &'a State,
     /// Sensor readings.
-    pub sensed: &'a Sensed,
+    pub sensed: &'a SensorReadings,
     /// Data computed from `state` and `sensed` because a running task needs it.
-    pub data: &'a Augmented,
+    pub data: &'a AugmentedData,
 }
 
 impl Context<'_> {
@@ -80,8 +80,8 @@ impl Context<'_> {
     }
 }
 
-/// True when a duration of `duration` seconds is over `t` seconds after its start. A tick that
-/// misses the end by rounding counts as the end.
+/// Whether `duration` seconds are over `t` seconds after the start. A tick that misses the end by
+/// rounding counts as the end.
 pub fn has_elapsed(t: f64, duration: f64) -> bool {
     t >= duration - 1e-9
 }
@@ -98,13 +98,13 @@ pub enum Status {
 /// Result of a call of a task; an error ends the run with outcome `error`.
 pub type TaskResult = Result<Status, TaskError>;
 
-/// A task: commands some joints at every control tick.
+/// A task, which commands some joints at every control tick.
 pub trait Task: Any + Send {
-    /// Called once at the task's start. `command` holds the present joint commands.
+    /// Called once at the task's start. `command` contains the present joint commands.
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult;
 
-    /// Called at every control tick from then on; changes the commands of its joints. Allocates
-    /// nothing.
+    /// Called at every control tick from then on; sets the commands of its joints. Must not
+    /// allocate.
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult;
 
     /// Called once at the first tick at or after each of [`changes`](Self::changes), before `run`:
@@ -122,7 +122,7 @@ pub trait Task: Any + Send {
     /// already applied keep their effect.
     fn adopt_changes(&mut self, _newer: Box<dyn Task>) {}
 
-    /// True if the modes and efforts it sets hold only while it lasts. It must then set them at
+    /// Whether the modes and efforts it sets apply only while it runs. It must then set them at
     /// every tick.
     fn is_temporary(&self) -> bool {
         false
@@ -133,8 +133,8 @@ pub trait Task: Any + Send {
         Needs::NONE
     }
 
-    /// The points it shows: always the same ones in the same order, with positions that may change
-    /// at every call.
+    /// The points it shows: always the same points in the same order. Positions may change at every
+    /// call.
     fn points(&self) -> &[PointOfInterest] {
         &[]
     }

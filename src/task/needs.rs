@@ -2,12 +2,12 @@
 
 use std::ops::{BitOr, BitOrAssign};
 
-/// A set of parts. A part includes those it is computed from.
+/// A set of parts. A part includes the parts it is computed from.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub struct Needs(u32);
 
 impl Needs {
-    /// Nothing.
+    /// No parts.
     pub const NONE: Needs = Needs(0);
     /// Link transforms: kinematics of all links at the estimated state.
     pub const LINKS: Needs = Needs(1);
@@ -21,7 +21,7 @@ impl Needs {
     pub const MASS: Needs = Needs(1 << 4);
     /// Bias: Coriolis, centrifugal and gravity terms.
     pub const BIAS: Needs = Needs(1 << 5);
-    /// Efforts that hold against gravity.
+    /// Efforts that compensate gravity.
     pub const GRAVITY: Needs = Needs(1 << 6 | 1 << 2);
     /// Positions of the soles and their vertices.
     pub const SOLES: Needs = Needs(1 << 7);
@@ -31,7 +31,7 @@ impl Needs {
     pub const VERTEX_JACOBIANS: Needs = Needs(1 << 9 | 1 << 7);
     /// Poses, twists and Jacobians of the end effectors.
     pub const END_EFFECTORS: Needs = Needs(1 << 10);
-    /// Load of the floor on each sole, in [`super::Sensed::soles`].
+    /// Load of the floor on each sole, in [`super::SensorReadings::soles`].
     pub const LOADS: Needs = Needs(1 << 11);
     /// Forces of the floor on the vertices, and which of them are in contact.
     pub const CONTACTS: Needs = Needs(1 << 12 | 1 << 11 | 1 << 7);
@@ -41,15 +41,15 @@ impl Needs {
     pub const SUPPORT: Needs = Needs(1 << 14 | 1 << 12 | 1 << 11 | 1 << 7);
     /// Point of optimal stability.
     pub const STABLE_POINT: Needs = Needs(1 << 15 | 1 << 14 | 1 << 12 | 1 << 11 | 1 << 7);
-    /// Everything.
+    /// All parts.
     pub const ALL: Needs = Needs((1 << 16) - 1);
 
-    /// True if all of `parts` are in this set.
+    /// Whether all of `parts` are in this set.
     pub fn contains(self, parts: Needs) -> bool {
         self.0 & parts.0 == parts.0
     }
 
-    /// True if any of `parts` is in this set.
+    /// Whether any of `parts` is in this set.
     pub fn intersects(self, parts: Needs) -> bool {
         self.0 & parts.0 != 0
     }

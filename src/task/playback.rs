@@ -4,8 +4,8 @@
 //! q(t) = m(s) + e(t),   q'(t) = s' m'(s) + e'(t),   s' = speed
 //! ```
 //!
-//! m: minimum-jerk curves ([`crate::motion::spline`]); s: the motion's own time, the integral of a
-//! speed that changes without a jump; e: the decaying difference from the command before
+//! m: minimum-jerk curves ([`crate::motion::spline`]); s: the motion's time, the integral of a
+//! speed that changes without a jump; e: the decaying difference from the previous command
 //! ([`super::blend_in`]).
 
 use super::blend_in::BlendIn;
@@ -28,14 +28,14 @@ pub struct Playback {
     start: f64,
     speed: SmoothTransition,
     /// The motion's time at the last change of speed, s.
-    passed: f64,
+    elapsed: f64,
     offsets: BlendIn,
 }
 
 impl Playback {
-    /// Plays at `speed` (seconds of the motion per second), with `changes` of it by ascending time,
-    /// and loops if `repeat`. `blend`: time to blend in from the command and from one speed to the
-    /// next, s.
+    /// Plays at `speed` (seconds of the motion per second), with `changes` of the speed by
+    /// ascending time, and loops if `repeat`. `blend`: time to blend in from the command and from
+    /// one speed to the next, s.
     pub fn new(joints: Vec<(JointId, Spline)>, speed: f64, repeat: bool, blend: f64, changes: Vec<(f64, f64)>) -> Self {
         let ends = || joints.iter().map(|(_, spline)| spline.span());
         let first = ends().map(|s| s.0).fold(f64::INFINITY, f64::min);
@@ -52,13 +52,13 @@ impl Playback {
             speeds,
             start: 0.0,
             speed: SmoothTransition::constant(speed, 0.0),
-            passed: 0.0,
+            elapsed: 0.0,
         }
     }
 
-    /// The motion's time; in a loop, that of the first round, also before its first posture.
+    /// The motion's time; in a loop, that of the first repetition, also before its first posture.
     fn motion_time(&self, time: f64) -> f64 {
-        let s = self.passed + self.speed.integral(time);
+        let s = self.elapsed + self.speed.integral(time);
         let (first, last) = self.span;
         if self.repeat && !(first..=last).contains(&s) { first + (s - first).rem_euclid(last - first) } else { s }
     }
@@ -84,20 +84,20 @@ impl Task for Playback {
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         let t = context.time - self.start;
         let s = self.motion_time(context.time);
-        let over = !self.repeat && has_elapsed(s, self.span.1) && self.offsets.is_over(t);
+        let is_over = !self.repeat && has_elapsed(s, self.span.1) && self.offsets.is_over(t);
         for i in 0..self.joints.len() {
             let joint = self.joints[i].0;
-            let point = self.point(i, if over { self.span.1 } else { s }, context.time);
+            let point = self.point(i, if is_over { self.span.1 } else { s }, context.time);
             self.offsets.apply(i, joint, t, &point, command);
-            if over {
+            if is_over {
                 command.velocity[joint.0] = 0.0;
             }
         }
-        Ok(if over { Status::Done } else { Status::Running })
+        Ok(if is_over { Status::Done } else { Status::Running })
     }
 
     fn change(&mut self, context: &Context, number: usize) -> TaskResult {
-        self.passed += self.speed.integral(context.time);
+        self.elapsed += self.speed.integral(context.time);
         self.speed.change(self.speeds[number], context.time, self.blend);
         Ok(Status::Running)
     }

@@ -13,7 +13,7 @@ pub struct PointOfInterest {
 }
 
 impl PointOfInterest {
-    /// A point that is not shown yet.
+    /// A point without position.
     pub fn named(name: impl Into<String>) -> Self {
         PointOfInterest { name: name.into(), position: None }
     }

@@ -1,7 +1,7 @@
 //! The task server: starts, runs, changes and ends the tasks of a scenario.
 
 use super::handover::{Handover, TemporaryEfforts};
-use super::{Augmented, Command, Context, Needs, Sensed, Status, Task, TaskError, TaskFailure};
+use super::{AugmentedData, Command, Context, Needs, SensorReadings, Status, Task, TaskError, TaskFailure};
 use crate::dynamics::State;
 use crate::geometry::Plane;
 use crate::robot::Model;
@@ -12,7 +12,7 @@ struct TaskSlot {
     task: Box<dyn Task>,
     begun: bool,
     ended: bool,
-    /// True if it ends at the next tick, whatever it returns.
+    /// Whether it ends at the next tick regardless of its result.
     end_requested: bool,
     /// Number of parameter changes applied so far.
     changed: usize,
@@ -25,23 +25,23 @@ pub struct TaskServer {
     /// Present joint commands.
     pub command: Command,
     handover: Handover,
-    augmented: Augmented,
+    augmented: AugmentedData,
     rate: f64,
     tick: u64,
-    /// True if it ticks without a task to run.
+    /// Whether it ticks even without active tasks.
     always: bool,
-    /// Next tick as set by a remote task server: its number, or none for no further tick.
+    /// Number of the next tick as set by a remote task server; inner none: no further tick.
     remote_next: Option<Option<u64>>,
 }
 
 /// State of a task.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum TaskState {
-    /// Its start time has not come.
+    /// Before its start time.
     Waiting,
-    /// It is called at every tick.
+    /// Called at every tick.
     Running,
-    /// It has ended.
+    /// Ended.
     Ended,
 }
 
@@ -53,10 +53,10 @@ pub struct TickInput<'a> {
     pub gravity: Vector3<f64>,
     /// The floor.
     pub floor: Plane,
-    /// Base and joints as the estimator and the sensors have them; its time is the tick's.
+    /// Base as estimated, joints as sensed; its time is the tick's.
     pub state: &'a State,
     /// Sensor readings.
-    pub sensed: &'a Sensed,
+    pub sensed: &'a SensorReadings,
 }
 
 impl TaskServer {
@@ -66,7 +66,7 @@ impl TaskServer {
             slots: Vec::new(),
             handover: Handover::new(&command),
             command,
-            augmented: Augmented::new(model),
+            augmented: AugmentedData::new(model),
             rate,
             tick: 0,
             always: false,
@@ -74,19 +74,19 @@ impl TaskServer {
         }
     }
 
-    /// Makes it tick whether or not a task is active, so that sensors are read.
+    /// Makes it tick even without active tasks, so that sensors are read.
     pub fn tick_always(&mut self) {
         self.always = true;
     }
 
-    /// Counts the tick at `time` as done by a remote task server. `next` is its next tick; without
+    /// Counts the tick at `time` as run by a remote task server. `next` is its next tick; without
     /// one the command stays to the end. Tasks of this server are not called.
     pub fn set_remote_tick(&mut self, time: f64, next: Option<u64>) {
         self.tick = (time * self.rate).round() as u64 + 1;
         self.remote_next = Some(next.map(|next| next.max(self.tick)));
     }
 
-    /// Number of the next tick that can change anything, if the tasks of this server decide.
+    /// Number of the next tick, see [`next_tick`](Self::next_tick).
     pub fn next_number(&self) -> Option<u64> {
         self.next_tick().map(|time| (time * self.rate).round() as u64)
     }
@@ -96,8 +96,8 @@ impl TaskServer {
         1.0 / self.rate
     }
 
-    /// Adds a task that begins at the first tick at or after `start` seconds, its own time 0. Later
-    /// tasks win where they overlap.
+    /// Adds a task that begins at the first tick at or after `start` seconds, its time 0. Commands
+    /// of later tasks override those of earlier ones.
     pub fn add(&mut self, start: f64, task: Box<dyn Task>) {
         let temporary = TemporaryEfforts::new(self.command.mode.len());
         self.slots.push(TaskSlot {
@@ -111,7 +111,7 @@ impl TaskServer {
         });
     }
 
-    /// Ends a task, by the order in which the tasks were added, at the next tick. A task that has
+    /// Ends task `number`, in the order in which they were added, at the next tick. A task that has
     /// not begun never begins.
     pub fn end(&mut self, number: usize) {
         if let Some(slot) = self.slots.get_mut(number) {
@@ -125,7 +125,7 @@ impl TaskServer {
     pub fn extend_with(&mut self, newer: TaskServer) {
         for (i, slot) in newer.slots.into_iter().enumerate() {
             match self.slots.get_mut(i) {
-                Some(own) => own.task.adopt_changes(slot.task),
+                Some(present) => present.task.adopt_changes(slot.task),
                 None => self.slots.push(slot),
             }
         }
@@ -134,18 +134,18 @@ impl TaskServer {
     /// Name, start and state of each task.
     pub fn states(&self) -> impl Iterator<Item = (&str, f64, TaskState)> {
         self.slots.iter().map(|slot| {
-            let stand = match (slot.begun, slot.ended) {
+            let state = match (slot.begun, slot.ended) {
                 (_, true) => TaskState::Ended,
                 (true, false) => TaskState::Running,
                 (false, false) => TaskState::Waiting,
             };
-            (slot.task.name(), slot.start, stand)
+            (slot.task.name(), slot.start, state)
         })
     }
 
-    /// Time of the next tick that can change anything; none when all tasks have ended. Tick k is at
-    /// `k / rate`, bit-equal to the log's instants and other clocks that divide integers by their
-    /// rates.
+    /// Time of the next tick that can change the command; none when all tasks have ended. Tick k is
+    /// at `k / rate`, equal to the last bit to the log's instants and other clocks that divide
+    /// integers by their rates.
     pub fn next_tick(&self) -> Option<f64> {
         if let Some(next) = self.remote_next {
             return next.map(|next| next as f64 / self.rate);
@@ -169,8 +169,8 @@ impl TaskServer {
         active.fold(Needs::NONE, |needs, s| needs | s.task.needs())
     }
 
-    /// The points that tasks show, in the order of the tasks; those of tasks that do not run have
-    /// no position.
+    /// The points of the tasks, in the order of the tasks. Points of tasks that do not run have no
+    /// position.
     pub fn points(&self) -> impl Iterator<Item = (&str, Option<Vector3<f64>>)> {
         self.slots.iter().flat_map(|slot| {
             let runs = slot.begun && !slot.ended;
@@ -178,11 +178,11 @@ impl TaskServer {
         })
     }
 
-    /// Runs every task that is due; calls `report(what, name)` for each that begins, changes or
+    /// Runs every task that is due. Calls `report(change, name)` for each that begins, changes or
     /// ends.
     ///
     /// # Errors
-    /// The first task that failed, with its error.
+    /// The error of the first task that failed.
     pub fn run(&mut self, now: &TickInput, mut report: impl FnMut(&str, &str)) -> Result<(), TaskFailure> {
         let time = now.state.time;
         self.tick = (time * self.rate).round() as u64 + 1;
@@ -218,7 +218,7 @@ impl TaskServer {
 }
 
 impl TaskSlot {
-    /// Makes all calls that are due at a tick; true when the task is done.
+    /// Makes all calls that are due at a tick. Returns whether the task is done.
     fn call(
         &mut self,
         context: &Context,

@@ -5,18 +5,17 @@
 //! q'(t) = r' (c + A sin theta - q0) + r (c' + A' sin theta + A theta' cos theta)
 //! ```
 //!
-//! q0: commanded position at the start t0; r rises from 0 to 1 within the ramp along a minimum-jerk
-//! path, and falls again at the end. Amplitude A, centre c and frequency f change to new values
-//! within the ramp likewise. The phase is the integral of the frequency, in closed form, and
-//! therefore continuous through every change.
+//! q0 is the commanded position at the start t0. r rises from 0 to 1 within the ramp along a
+//! minimum-jerk path, and falls again at the end. Amplitude A, centre c and frequency f change to
+//! new values within the ramp likewise. The phase is the integral of the frequency, in closed form,
+//! and therefore continuous through every change.
 
 use super::{Command, Context, Status, Task, TaskError, TaskResult, has_elapsed};
-use crate::motion::minimum_jerk::SmoothTransition;
-use crate::motion::minimum_jerk::minimum_jerk;
+use crate::motion::minimum_jerk::{SmoothTransition, minimum_jerk};
 use crate::robot::{JointId, JointKind};
 use std::f64::consts::TAU;
 
-/// Oscillation of one joint. Centre: rad or m; none: its commanded position at the start.
+/// Oscillation of one joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Swing {
     /// Amplitude, rad or m.
@@ -25,11 +24,11 @@ pub struct Swing {
     pub frequency: f64,
     /// Phase at the start, rad.
     pub phase: f64,
-    /// Centre of the oscillation, rad or m.
+    /// Centre of the oscillation, rad or m; none: the commanded position at the start.
     pub offset: Option<f64>,
 }
 
-/// Change of one joint of the task (by its number there).
+/// Change of the oscillation of one joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SwingChange {
     /// Number of the joint in the task.
@@ -50,15 +49,15 @@ pub struct Sine {
     ramp: f64,
     times: Vec<f64>,
     changes: Vec<Vec<SwingChange>>,
-    /// True if joints have end stops.
+    /// Whether joints have end stops.
     limited: bool,
     start: f64,
-    now: Vec<Now>,
+    present: Vec<PresentSwing>,
 }
 
 /// Present parameters of one joint.
 #[derive(Clone, Copy, Debug)]
-struct Now {
+struct PresentSwing {
     from: f64,
     amplitude: SmoothTransition,
     frequency: SmoothTransition,
@@ -70,7 +69,7 @@ struct Now {
 impl Sine {
     /// Oscillates for `duration` seconds (infinite: without end) with ramps of `ramp` seconds;
     /// `changes` by ascending time. If joints are `limited`, an oscillation about the initial
-    /// position that leaves the joint's range is refused.
+    /// position that leaves the joint's range is an error.
     pub fn new(
         joints: Vec<(JointId, Swing)>,
         duration: f64,
@@ -79,15 +78,15 @@ impl Sine {
         limited: bool,
     ) -> Self {
         let still = SmoothTransition::constant(0.0, 0.0);
-        let blank = Now { from: 0.0, amplitude: still, frequency: still, offset: still, phase: 0.0 };
-        let now = vec![blank; joints.len()];
+        let blank = PresentSwing { from: 0.0, amplitude: still, frequency: still, offset: still, phase: 0.0 };
+        let present = vec![blank; joints.len()];
         let (times, changes) = changes.into_iter().unzip();
-        Sine { joints, duration, ramp, times, changes, limited, start: 0.0, now }
+        Sine { joints, duration, ramp, times, changes, limited, start: 0.0, present }
     }
 }
 
-impl Now {
-    /// Position and velocity at a time, `rise` being r and r'.
+impl PresentSwing {
+    /// Position and velocity at a time, with r and r'.
     fn at(&self, time: f64, (r, r_rate): (f64, f64)) -> (f64, f64) {
         let theta = self.phase + TAU * self.frequency.integral(time);
         let (sin, cos) = theta.sin_cos();
@@ -102,7 +101,7 @@ impl Now {
 impl Task for Sine {
     fn init(&mut self, context: &Context, command: &Command) -> TaskResult {
         self.start = context.start;
-        for ((joint, swing), now) in self.joints.iter().zip(&mut self.now) {
+        for ((joint, swing), now) in self.joints.iter().zip(&mut self.present) {
             let from = command.position[joint.0];
             let j = &context.model.joints[joint.0];
             let reach = swing.amplitude.abs() - 1e-9;
@@ -113,7 +112,7 @@ impl Task for Sine {
                 return Err(TaskError::SwingOutOfRange { joint: name.clone(), swing, lower, upper });
             }
             let constant = |value| SmoothTransition::constant(value, self.start);
-            *now = Now {
+            *now = PresentSwing {
                 from,
                 amplitude: constant(swing.amplitude),
                 frequency: constant(swing.frequency),
@@ -126,23 +125,24 @@ impl Task for Sine {
 
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         let t = context.time - self.start;
-        let left = self.duration - t;
-        let over = has_elapsed(t, self.duration);
+        let remaining = self.duration - t;
+        let is_over = has_elapsed(t, self.duration);
         let (up, up_rate) = minimum_jerk(t, self.ramp);
-        let (down, down_rate) = if left < self.ramp { minimum_jerk(left.max(0.0), self.ramp) } else { (1.0, 0.0) };
-        let rise = if left < self.ramp { (down, -down_rate) } else { (up, up_rate) };
-        for ((joint, _), now) in self.joints.iter().zip(&self.now) {
+        let (down, down_rate) =
+            if remaining < self.ramp { minimum_jerk(remaining.max(0.0), self.ramp) } else { (1.0, 0.0) };
+        let rise = if remaining < self.ramp { (down, -down_rate) } else { (up, up_rate) };
+        for ((joint, _), now) in self.joints.iter().zip(&self.present) {
             let (q, qd) = now.at(context.time, rise);
             command.position[joint.0] = q;
-            command.velocity[joint.0] = if over { 0.0 } else { qd };
+            command.velocity[joint.0] = if is_over { 0.0 } else { qd };
         }
-        Ok(if over { Status::Done } else { Status::Running })
+        Ok(if is_over { Status::Done } else { Status::Running })
     }
 
     fn change(&mut self, context: &Context, number: usize) -> TaskResult {
         let time = context.time;
         for change in &self.changes[number] {
-            let now = &mut self.now[change.joint];
+            let now = &mut self.present[change.joint];
             if let Some(amplitude) = change.amplitude {
                 now.amplitude.change(amplitude, time, self.ramp);
             }

@@ -17,13 +17,13 @@ use nalgebra::{UnitQuaternion, Vector3};
 /// Parameters of a squat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shape {
-    /// D, m; negative: it rises first.
+    /// D, m; negative: rises first.
     pub depth: f64,
     /// T, s.
     pub period: f64,
     /// Number of periods.
     pub repetitions: u32,
-    /// Time to move over the soles first, s.
+    /// Time of the initial move over the soles, s.
     pub settle: f64,
 }
 

@@ -29,7 +29,7 @@ pub struct Walk {
     /// Time to move to the starting posture, s.
     settle: f64,
     feed_forward: bool,
-    /// Greatest time from start to end of the run, s: the plan ends there.
+    /// Time from the start of the task to the end of the run, s: the plan ends there.
     until: f64,
     planner: PosturePlanner,
     start: f64,
@@ -44,7 +44,7 @@ pub struct Walk {
 /// The plan made at the start of the task.
 struct Plan {
     footsteps: Footsteps,
-    /// x and y of the centre of mass.
+    /// Samples of x and of y of the centre of mass.
     samples: [Vec<Sample>; 2],
     /// Height of the soles at the start, m.
     ground: f64,
@@ -64,7 +64,7 @@ impl Plan {
 
 impl Walk {
     /// For a robot that [`super::kinematic::planned_robot::check_biped`] accepts, in a run that
-    /// ends `until` seconds after the start.
+    /// ends `until` seconds after the task's start.
     pub fn new(
         model: &Model,
         stride: Stride,
@@ -121,9 +121,9 @@ impl Task for Walk {
         let needed = (self.until - self.settle).max(0.0);
         let footsteps = Footsteps::new(self.stride, soles, self.upright * Vector3::x(), needed + HORIZON + PERIOD);
         let samples = |time: f64| (time.min(footsteps.duration()) / PERIOD).ceil() as usize + 1;
-        let (count, seen) = (samples(needed), samples(needed + HORIZON));
+        let (count, previewed) = (samples(needed), samples(needed + HORIZON));
         let reference =
-            |axis: usize| -> Vec<f64> { (0..seen).map(|k| footsteps.zmp(k as f64 * PERIOD)[axis]).collect() };
+            |axis: usize| -> Vec<f64> { (0..previewed).map(|k| footsteps.zmp(k as f64 * PERIOD)[axis]).collect() };
         let samples = [0, 1].map(|axis| preview.follow(&reference(axis), count));
         self.plan = Some(Plan { footsteps, samples, ground: support.z, lag: preview.lag });
         Ok(Status::Running)

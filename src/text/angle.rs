@@ -1,4 +1,5 @@
-//! Angles and angular rates as files write them: `0.35` in radians, `"20 deg"`, `"0.35 rad"`, `"30 deg/s"`.
+//! Angles and angular rates as files write them: `0.35` in radians, `"20 deg"`, `"0.35 rad"`, `"30
+//! deg/s"`.
 //!
 //! For prismatic joints the plain number is metres or metres per second.
 
@@ -108,9 +109,9 @@ mod tests {
     #[test]
     fn angles_have_units() {
         // One rounding of the conversion.
-        let near = |text: &str, per: &str, want: f64| {
+        let near = |text: &str, per: &str, expected: f64| {
             let got = parse(text, per).unwrap();
-            assert!((got - want).abs() <= 2.0 * f64::EPSILON, "{text}: {got}");
+            assert!((got - expected).abs() <= 2.0 * f64::EPSILON, "{text}: {got}");
         };
         near("30 deg", "", std::f64::consts::FRAC_PI_6);
         near(" -90deg ", "", -std::f64::consts::FRAC_PI_2);

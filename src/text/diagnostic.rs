@@ -1,13 +1,15 @@
-//! Diagnostics of input files: severity, message, file, line and column, an excerpt with a caret, and help.
+//! Diagnostics of input files: severity, message, file, line and column, an excerpt with a caret,
+//! and help.
 //!
-//! Scenarios, robot files, URDFs, motions and filters all report their errors as [`Diagnostic`]s, so all render alike.
+//! Scenarios, robot files, URDFs, motions and filters all report their errors as [`Diagnostic`]s,
+//! so all render alike.
 
 use std::fmt;
 use std::ops::Range;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 
-use super::excerpt::{cut, excerpt};
+use super::excerpt::{excerpt, shorten};
 use super::source::{Position, Source, Sources, Span};
 use super::toml_syntax;
 use super::visible::{visible, visible_lines};
@@ -49,7 +51,7 @@ pub struct Diagnostic {
     pub help: Option<String>,
     /// Text at the caret.
     label: Option<String>,
-    /// The text and the bytes of it that are marked.
+    /// The text and its marked bytes.
     excerpt: Option<(Source, Range<usize>)>,
 }
 
@@ -70,8 +72,8 @@ impl Diagnostic {
             severity,
             file: source.name(),
             position: Some(source.position(start)),
-            message: cut(&message.into()).into_owned(),
-            help: help.map(|help| cut(&help).into_owned()),
+            message: shorten(&message.into()).into_owned(),
+            help: help.map(|help| shorten(&help).into_owned()),
             label: None,
             excerpt: Some((source.clone(), start..end)),
         }
@@ -113,7 +115,7 @@ impl Diagnostic {
             severity: Severity::Error,
             file: file.into(),
             position: None,
-            message: cut(&message.into()).into_owned(),
+            message: shorten(&message.into()).into_owned(),
             help: None,
             label: None,
             excerpt: None,
@@ -161,8 +163,8 @@ impl Diagnostic {
         self.excerpt.as_ref().map(|(source, range)| (source, range))
     }
 
-    /// The dotted path of the TOML key at its position, such as `task.0.joints.knee`; none when there is no key, or the file
-    /// is not TOML.
+    /// The dotted path of the TOML key at its position, such as `task.0.joints.knee`; none when
+    /// there is no key, or the file is not TOML.
     pub fn key(&self) -> Option<String> {
         let (source, range) = self.excerpt.as_ref()?;
         if let Some(path) = toml_syntax::duplicate_key(&self.message) {
@@ -171,7 +173,8 @@ impl Diagnostic {
         source.root().path_at(range.start).map(|path| toml_syntax::dotted(&path))
     }
 
-    /// The diagnostic with the marked line and a caret, with terminal colours or without; no newline at the end.
+    /// The diagnostic with the marked line and a caret, with terminal colours or without; no
+    /// newline at the end.
     pub fn render(&self, colour: bool) -> String {
         let level = match self.severity {
             Severity::Error => Level::ERROR,
@@ -180,11 +183,11 @@ impl Diagnostic {
         };
         let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
         let lines = self.excerpt.as_ref().and_then(|(source, range)| excerpt(source.text(), range.clone()));
-        // Names of files and keys may contain characters that a terminal would obey.
+        // Names of files and keys may contain control characters for terminals.
         let (title, file) = (level.primary_title(visible_lines(&self.message)), visible(&self.file));
         let mut group = match lines {
             Some(lines) => {
-                let mark = AnnotationKind::Primary.span(lines.piece).label(self.label.as_deref());
+                let mark = AnnotationKind::Primary.span(lines.range).label(self.label.as_deref());
                 title.element(Snippet::source(lines.text).line_start(lines.line).path(file).annotation(mark))
             }
             None if self.file.is_empty() => Group::with_title(title),

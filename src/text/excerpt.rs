@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 /// Longest excerpt, bytes.
-const MOST: usize = 64 << 10;
+const MAX_LENGTH: usize = 64 << 10;
 
 /// Whole lines of a text with a marked range.
 #[derive(Debug, PartialEq)]
@@ -16,45 +16,47 @@ pub struct Excerpt<'a> {
     /// Number of the first, from 1.
     pub line: usize,
     /// The marked range, bytes of these lines.
-    pub piece: Range<usize>,
+    pub range: Range<usize>,
 }
 
-/// The lines of a range of a text (bytes, at borders of characters); none if they are too long.
-pub fn excerpt(text: &str, piece: Range<usize>) -> Option<Excerpt<'_>> {
-    let start = text[..piece.start].rfind('\n').map_or(0, |at| at + 1);
-    let end = text[piece.end..].find('\n').map_or(text.len(), |at| piece.end + at);
-    // Lines may end in two characters.
-    let end = if end > piece.end && text[..end].ends_with('\r') { end - 1 } else { end };
+/// The lines of a range of a text (bytes, at character boundaries); none if they are too long.
+pub fn excerpt(text: &str, range: Range<usize>) -> Option<Excerpt<'_>> {
+    let start = text[..range.start].rfind('\n').map_or(0, |at| at + 1);
+    let end = text[range.end..].find('\n').map_or(text.len(), |at| range.end + at);
+    // Lines may end in "\r\n".
+    let end = if end > range.end && text[..end].ends_with('\r') { end - 1 } else { end };
     if start == end {
-        // An empty line, such as that after the last one, is rendered correctly only with the lines around it.
-        return (text.len() <= MOST).then_some(Excerpt { text, line: 1, piece });
+        // An empty line, such as that after the last one, is rendered correctly only with the lines
+        // around it.
+        return (text.len() <= MAX_LENGTH).then_some(Excerpt { text, line: 1, range });
     }
     let line = text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count() + 1;
-    let piece = piece.start - start..piece.end - start;
-    (end - start <= MOST).then(|| Excerpt { text: &text[start..end], line, piece })
+    let range = range.start - start..range.end - start;
+    (end - start <= MAX_LENGTH).then(|| Excerpt { text: &text[start..end], line, range })
 }
 
-/// Characters that a long word of a message keeps at its beginning and end, more than any usual name or path has.
-const WORD: (usize, usize) = (300, 100);
-/// The same of a message as a whole.
-const MESSAGE: (usize, usize) = (6000, 1000);
+/// Characters kept at the beginning and end of a long word of a message; together more than usual
+/// names and paths have.
+const WORD_ENDS: (usize, usize) = (300, 100);
+/// The same for a whole message.
+const MESSAGE_ENDS: (usize, usize) = (6000, 1000);
 
 /// A message with long words, such as a key of megabytes, shortened in their middle.
-pub fn cut(message: &str) -> Cow<'_, str> {
-    if message.len() <= WORD.0 + WORD.1 {
+pub fn shorten(message: &str) -> Cow<'_, str> {
+    if message.len() <= WORD_ENDS.0 + WORD_ENDS.1 {
         return message.into();
     }
-    let words: Vec<Cow<'_, str>> = message.split(' ').map(|word| middle_out(word, WORD)).collect();
-    middle_out(&words.join(" "), MESSAGE).into_owned().into()
+    let words: Vec<Cow<'_, str>> = message.split(' ').map(|word| shorten_middle(word, WORD_ENDS)).collect();
+    shorten_middle(&words.join(" "), MESSAGE_ENDS).into_owned().into()
 }
 
-fn middle_out(text: &str, (first, last): (usize, usize)) -> Cow<'_, str> {
+fn shorten_middle(text: &str, (first, last): (usize, usize)) -> Cow<'_, str> {
     if text.len() <= first + last {
         return text.into();
     }
-    let border = |nth: usize| text.char_indices().nth(nth).map(|(at, _)| at);
+    let boundary = |nth: usize| text.char_indices().nth(nth).map(|(at, _)| at);
     let end = text.char_indices().nth_back(last - 1).map(|(at, _)| at);
-    match (border(first), end) {
+    match (boundary(first), end) {
         (Some(start), Some(end)) if start < end => format!("{}…{}", &text[..start], &text[end..]).into(),
         _ => text.into(),
     }
@@ -66,24 +68,28 @@ mod tests {
 
     #[test]
     fn long_words_of_a_message_are_shortened_in_their_middle() {
-        let long = "é".repeat(WORD.0 + WORD.1 + 1);
-        let shown = cut(&format!("unknown key `{long}` in `floor`")).into_owned();
-        assert_eq!(shown.chars().filter(|c| *c == 'é').count(), WORD.0 + WORD.1 - 2, "without the two quotes");
+        let long = "é".repeat(WORD_ENDS.0 + WORD_ENDS.1 + 1);
+        let shown = shorten(&format!("unknown key `{long}` in `floor`")).into_owned();
+        assert_eq!(
+            shown.chars().filter(|c| *c == 'é').count(),
+            WORD_ENDS.0 + WORD_ENDS.1 - 2,
+            "without the two quotes"
+        );
         assert!(shown.starts_with("unknown key `éé") && shown.contains("é…é") && shown.ends_with("é` in `floor`"));
-        let short = "é".repeat(WORD.0 + WORD.1 - 2);
-        assert_eq!(cut(&format!("`{short}`")), format!("`{short}`"));
+        let short = "é".repeat(WORD_ENDS.0 + WORD_ENDS.1 - 2);
+        assert_eq!(shorten(&format!("`{short}`")), format!("`{short}`"));
         let many = "two words ".repeat(10_000);
-        assert_eq!(cut(&many).chars().count(), MESSAGE.0 + MESSAGE.1 + 1);
+        assert_eq!(shorten(&many).chars().count(), MESSAGE_ENDS.0 + MESSAGE_ENDS.1 + 1);
     }
 
     #[test]
     fn whole_lines_are_cut_out() {
         let text = "one\ntwo\nthree";
-        let shown = |piece| excerpt(text, piece).map(|e| (e.text, e.line, e.piece));
+        let shown = |range| excerpt(text, range).map(|e| (e.text, e.line, e.range));
         assert_eq!(shown(4..5), Some(("two", 2, 0..1)));
         assert_eq!(shown(5..9), Some(("two\nthree", 2, 1..5)));
         assert_eq!(shown(13..13), Some(("three", 3, 5..5)));
         assert_eq!(excerpt("a\n\nb", 2..2).map(|e| (e.text, e.line)), Some(("a\n\nb", 1)));
-        assert_eq!(excerpt(&"x".repeat(MOST + 1), 3..4), None);
+        assert_eq!(excerpt(&"x".repeat(MAX_LENGTH + 1), 3..4), None);
     }
 }

@@ -1,17 +1,23 @@
-//! Text for users: diagnostics with excerpts of input files, TOML trees with positions, angles, name patterns and
-//! suggestions for unknown names.
+//! Text for users: diagnostics with excerpts of input files, TOML trees with positions, angles,
+//! name patterns and suggestions for unknown names.
 //!
-//! - `source`: a text with line and column of each byte; `diagnostic`: severity, message, position, excerpt, help.
-//! - `toml_tree`, `toml_syntax`: TOML values with their spans, and what the parser's messages lack.
-//! - `angle`: numbers such as `"30 deg"`; `pattern`: names with `*` and `?`; `suggest`: "did you mean".
-//! - `visible`: control characters of foreign names, written out.
+//! - `source`: a text with line and column of each byte; `diagnostic`: severity, message, position,
+//!   excerpt, help.
+//! - `toml_tree`, `toml_syntax`: TOML values with their spans, and additions to the parser's
+//!   messages.
+//! - `angle`: numbers such as `"30 deg"`; `pattern`: names with `*` and `?`; `suggest`: "did you
+//!   mean".
+//! - `visible`: escapes control characters in names; `plural`: counts with nouns.
+//! - `text_table`: tables for terminals; `quantity`: numeric fields with ranges and units.
 //!
-//! Imports nothing of this crate. Every room that reports errors or reads names calls it.
+//! Imports: nothing of this crate. Used by: `robot`, `motion`, `contact`, `script`, `scenario`,
+//! `assemble`, `results`, `report`, `export`, `batch`, `console`, `cli`.
 
 pub mod angle;
 pub mod diagnostic;
 pub(crate) mod excerpt;
 pub(crate) mod pattern;
+pub mod plural;
 pub mod quantity;
 pub mod source;
 pub mod suggest;

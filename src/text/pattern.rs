@@ -12,8 +12,9 @@ enum Piece {
     Literal(char),
 }
 
-/// True if a name matches a pattern, in which `*` matches any characters and `?` one character. `\` makes the next character
-/// literal. The time is at most proportional to the product of both lengths.
+/// True if a name matches a pattern, in which `*` matches any characters and `?` one character. `\`
+/// makes the next character literal. The time is at most proportional to the product of both
+/// lengths.
 pub(crate) fn matches(pattern: &str, name: &str) -> bool {
     let (pattern, name): (Vec<Piece>, Vec<char>) = (pieces(pattern), name.chars().collect());
     let (mut p, mut n) = (0, 0);

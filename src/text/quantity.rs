@@ -1,6 +1,7 @@
 //! Ranges and units of numeric fields: readers for `deserialize_with`, and their JSON Schemas.
 //!
-//! Whole numbers are accepted wherever a number is. All numbers are finite: the TOML reader refuses others.
+//! Whole numbers are accepted wherever a number is. All numbers are finite: the TOML reader refuses
+//! others.
 
 use std::{borrow::Cow, collections::BTreeMap};
 

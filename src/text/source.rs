@@ -1,7 +1,8 @@
 //! Source texts with positions: bytes to lines and columns, and several texts in one common space.
 //!
-//! A scenario is the sum of its file and of the overrides on the command line. Every value remembers a [`Span`] in the
-//! common space of all its [`Sources`], so an error that is found later is shown where the value was written.
+//! A scenario is the sum of its file and of the overrides on the command line. Every value
+//! remembers a [`Span`] in the common space of all its [`Sources`], so an error that is found later
+//! is shown where the value was written.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -56,12 +57,13 @@ impl Source {
         &self.0.text
     }
 
-    /// The text as TOML; its spans are bytes of this text. Parsed once, however many diagnostics need it.
+    /// The text as TOML, parsed once; its spans are bytes of this text.
     pub fn root(&self) -> &Node {
         self.0.root.get_or_init(|| Node::parse(&self.0.text, 0).0)
     }
 
-    /// Position of a byte. A byte inside a character or beyond the end counts as the nearest one before it.
+    /// Position of a byte. A byte inside a character or beyond the end counts as the nearest one
+    /// before it.
     pub fn position(&self, byte: usize) -> Position {
         let byte = self.char_boundary(byte);
         let line = self.line(byte);
@@ -74,7 +76,7 @@ impl Source {
         self.lines().partition_point(|start| *start <= byte.min(self.0.text.len()))
     }
 
-    /// The nearest border of a character at or before a byte.
+    /// The nearest character boundary at or before a byte.
     pub fn char_boundary(&self, byte: usize) -> usize {
         self.0.text.floor_char_boundary(byte)
     }
@@ -92,14 +94,14 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// Appends a text; returns where it starts in the common space.
+    /// Appends a text; returns its start in the common space.
     pub fn add(&mut self, path: impl Into<PathBuf>, text: impl Into<String>) -> usize {
         let start = self.end();
         self.texts.push((start, Source::new(path, text)));
         start
     }
 
-    // One byte of room behind each text, so that a span at its end is not at the next one's start.
+    // One byte between texts, so that the end of one is not the start of the next.
     fn end(&self) -> usize {
         self.texts.last().map_or(0, |(start, source)| start + source.text().len() + 1)
     }

@@ -1,34 +1,34 @@
 //! Lays out tables of text in columns that fit the width of a terminal.
 
-/// Narrowest column of text that a table is shrunk to.
-const NARROWEST: usize = 8;
+/// Width, in characters, to which columns of text are shrunk at most.
+const MIN_TEXT_WIDTH: usize = 8;
 
 /// Alignment of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// Text; it is clipped where the table is too wide.
+pub enum Alignment {
+    /// For text, which is clipped if the table is too wide.
     Left,
-    /// Numbers; of these only the header is clipped.
+    /// For numbers, of which the header alone is clipped.
     Right,
 }
 
 /// A header and lines of cells.
 #[derive(Clone, Debug)]
 pub struct TextTable {
-    sides: Vec<Side>,
+    alignments: Vec<Alignment>,
     lines: Vec<Vec<String>>,
 }
 
 impl TextTable {
     /// A table with this header.
-    pub fn new<T: Into<String>>(header: impl IntoIterator<Item = (T, Side)>) -> Self {
-        let (names, sides) = header.into_iter().map(|(name, side)| (name.into(), side)).unzip();
-        TextTable { sides, lines: vec![names] }
+    pub fn new<T: Into<String>>(header: impl IntoIterator<Item = (T, Alignment)>) -> Self {
+        let (names, alignments) = header.into_iter().map(|(name, alignment)| (name.into(), alignment)).unzip();
+        TextTable { alignments, lines: vec![names] }
     }
 
     /// Adds a line. Missing cells are empty, further ones are dropped.
     pub fn push(&mut self, mut cells: Vec<String>) {
-        cells.resize(self.sides.len(), String::new());
+        cells.resize(self.alignments.len(), String::new());
         self.lines.push(cells);
     }
 
@@ -42,24 +42,25 @@ impl TextTable {
         total(&self.widths(0))
     }
 
-    /// The text, its columns two spaces apart. Where it is wider than `width`, the widest columns of text are clipped,
-    /// then headers of numbers. Numbers are never clipped, so that a table of many numbers may stay too wide.
+    /// The text, its columns two spaces apart. Where it is wider than `width`, the widest columns
+    /// of text are clipped, then headers of numbers. Numbers are never clipped, so that a table of
+    /// many numbers may stay too wide.
     pub fn render(&self, width: usize) -> String {
         let (mut widths, numbers) = (self.widths(0), self.widths(1));
         let mut excess = total(&widths).saturating_sub(width);
         while excess > 0 {
-            let least = |c: usize| if self.sides[c] == Side::Left { NARROWEST } else { numbers[c] };
-            let of = |side: Side| (0..widths.len()).filter(move |&c| self.sides[c] == side);
-            let widest = |side| of(side).filter(|&c| widths[c] > least(c)).max_by_key(|&c| widths[c]);
-            let Some(column) = widest(Side::Left).or_else(|| widest(Side::Right)) else { break };
+            let least = |c: usize| if self.alignments[c] == Alignment::Left { MIN_TEXT_WIDTH } else { numbers[c] };
+            let of = |alignment: Alignment| (0..widths.len()).filter(move |&c| self.alignments[c] == alignment);
+            let widest = |alignment| of(alignment).filter(|&c| widths[c] > least(c)).max_by_key(|&c| widths[c]);
+            let Some(column) = widest(Alignment::Left).or_else(|| widest(Alignment::Right)) else { break };
             widths[column] -= 1;
             excess -= 1;
         }
         let mut out = String::new();
         for line in &self.lines {
-            let cells = line.iter().zip(&widths).zip(&self.sides).map(|((cell, &w), side)| match side {
-                Side::Left => format!("{:<w$}", clip(cell, w)),
-                Side::Right => format!("{:>w$}", clip(cell, w)),
+            let cells = line.iter().zip(&widths).zip(&self.alignments).map(|((cell, &w), alignment)| match alignment {
+                Alignment::Left => format!("{:<w$}", clip(cell, w)),
+                Alignment::Right => format!("{:>w$}", clip(cell, w)),
             });
             out += cells.collect::<Vec<_>>().join("  ").trim_end();
             out.push('\n');
@@ -70,7 +71,7 @@ impl TextTable {
     /// The widest cell of each column, from a line on.
     fn widths(&self, from: usize) -> Vec<usize> {
         let widest = |c: usize| self.lines[from..].iter().map(|line| line[c].chars().count()).max();
-        (0..self.sides.len()).map(|c| widest(c).unwrap_or(0)).collect()
+        (0..self.alignments.len()).map(|c| widest(c).unwrap_or(0)).collect()
     }
 }
 
@@ -79,14 +80,15 @@ fn total(widths: &[usize]) -> usize {
 }
 
 /// At most this many characters; an ellipsis replaces the end of a longer text.
-pub fn clip(text: &str, most: usize) -> String {
-    match text.chars().count() <= most {
+pub fn clip(text: &str, max_width: usize) -> String {
+    match text.chars().count() <= max_width {
         true => text.to_owned(),
-        false => text.chars().take(most.saturating_sub(1)).chain(['…']).collect(),
+        false => text.chars().take(max_width.saturating_sub(1)).chain(['…']).collect(),
     }
 }
 
-/// A number with this many significant digits: as a decimal fraction, or with an exponent where that would be long.
+/// A number with this many significant digits: as a decimal fraction, or with an exponent where
+/// that would be long.
 pub fn significant(x: f64, digits: usize) -> String {
     if x == 0.0 || !x.is_finite() {
         return x.to_string();
@@ -104,7 +106,8 @@ mod tests {
     use super::*;
 
     fn table() -> TextTable {
-        let mut table = TextTable::new([("name", Side::Left), ("long header", Side::Right), ("note", Side::Left)]);
+        let mut table =
+            TextTable::new([("name", Alignment::Left), ("long header", Alignment::Right), ("note", Alignment::Left)]);
         table.push(vec!["short".into(), "0.125".into(), "a note of thirty characters...".into()]);
         table.push(vec!["a longer name".into(), "12".into()]);
         table

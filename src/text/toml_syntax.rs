@@ -1,4 +1,5 @@
-//! Describes TOML errors beyond the parser's message: the path of a duplicate key, the position of a key that is too deep.
+//! Describes TOML errors beyond the parser's message: the path of a duplicate key, the position of
+//! a key that is too deep.
 
 use std::ops::Range;
 
@@ -7,8 +8,8 @@ use toml::value::Datetime;
 
 use super::toml_tree::Node;
 
-/// Most parts of a dotted key that the parser accepts.
-const MOST_PARTS: usize = 80;
+/// Greatest number of parts of a dotted key that the parser accepts.
+const MAX_KEY_PARTS: usize = 80;
 
 /// One error in a TOML text.
 pub struct TomlError {
@@ -21,15 +22,15 @@ pub struct TomlError {
 }
 
 impl TomlError {
-    /// Describes an error of the parser. With `find_duplicates` a duplicate key is reported with its path and the line of
-    /// the first one, which takes another pass over the text.
+    /// Describes an error of the parser. With `find_duplicates` a duplicate key is reported with
+    /// its path and the line of the first one, which takes another pass over the text.
     pub fn new(error: &Error, text: &str, find_duplicates: bool) -> TomlError {
         let message = error.message().lines().collect::<Vec<_>>().join(" ");
         let Some(span) = error.span().filter(|span| text.get(span.clone()).is_some()) else {
-            // The parser reports a position for all errors but keys of too many parts.
+            // The parser reports a position for all errors except keys with too many parts.
             let span = deep_key(text).unwrap_or_else(|| last_line(text));
             let message = match message.as_str() {
-                "recursion limit" => format!("a dotted key has more than {MOST_PARTS} parts"),
+                "recursion limit" => format!("a dotted key has more than {MAX_KEY_PARTS} parts"),
                 _ => message,
             };
             return TomlError { span, message, help: None };
@@ -65,7 +66,7 @@ pub fn duplicate_key(message: &str) -> Option<&str> {
 
 /// The path of the duplicate key at `span`, and the position of the first one.
 fn duplicate_path(text: &str, span: &Range<usize>) -> Option<(Vec<String>, Option<Range<usize>>)> {
-    // The parser drops a duplicate key. Under a name that no file uses it is part of the tree.
+    // The parser drops a duplicate key. Renamed to a key that no file uses, it stays in the tree.
     let renamed = [&text[..span.start], "\"\\u0001\\u0002\"", &text[span.end..]].concat();
     let root = Node::of(DeTable::parse_recoverable(&renamed).0.get_ref(), 0, &mut Vec::new());
     let mut path = root.path_at(span.start)?;
@@ -86,7 +87,7 @@ fn name(written: &str) -> String {
     table.and_then(|table| table.keys().next().cloned()).unwrap_or_else(|| written.to_owned())
 }
 
-/// A path as a dotted key; names that are no bare keys are in quotes.
+/// A path as a dotted key; names that are not bare keys are quoted.
 pub fn dotted(path: &[String]) -> String {
     path.iter().map(|name| segment(name)).collect::<Vec<_>>().join(".")
 }
@@ -137,7 +138,7 @@ fn deep_key(text: &str) -> Option<Range<usize>> {
             (false, _) => (from, 0),
         };
         is_open = false;
-        if parts > MOST_PARTS {
+        if parts > MAX_KEY_PARTS {
             return Some(start..at);
         }
     }
@@ -174,7 +175,7 @@ mod tests {
 
     #[test]
     fn a_key_of_too_many_parts_is_found() {
-        let deep = vec!["a"; MOST_PARTS + 1].join(".");
+        let deep = vec!["a"; MAX_KEY_PARTS + 1].join(".");
         for (before, after) in [
             ("", " = 1\n"),
             ("x = 1 # a.b\n", " = 1\n"),
@@ -187,9 +188,9 @@ mod tests {
             assert_eq!(error.message, "a dotted key has more than 80 parts", "{text}");
             assert_eq!(error.span, before.len()..before.len() + deep.len(), "{text}");
         }
-        let most = vec!["a"; MOST_PARTS].join(".");
-        assert_eq!(deep_key(&format!("{most} = 1\n# {deep}\nx = \"{deep}\"\n")), None);
-        assert!(DeTable::parse(&format!("{most} = 1")).is_ok());
+        let longest = vec!["a"; MAX_KEY_PARTS].join(".");
+        assert_eq!(deep_key(&format!("{longest} = 1\n# {deep}\nx = \"{deep}\"\n")), None);
+        assert!(DeTable::parse(&format!("{longest} = 1")).is_ok());
         assert_eq!(last_line("a\nbc\n\n"), 2..4);
     }
 }

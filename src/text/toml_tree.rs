@@ -8,10 +8,11 @@ use super::toml_syntax::TomlError;
 
 type Span = std::ops::Range<usize>;
 
-/// Errors for which duplicate keys are searched; each search takes as long as parsing the text.
-const MOST_SEARCHES: usize = 20;
+/// Greatest number of errors for which duplicate keys are searched; each search takes as long as
+/// parsing the text.
+const MAX_SEARCHES: usize = 20;
 /// Length of a text, bytes, beyond which no duplicates are searched.
-const LONGEST_SEARCHED: usize = 1 << 20;
+const MAX_SEARCHED_LENGTH: usize = 1 << 20;
 
 /// A value and its span.
 #[derive(Clone, Debug)]
@@ -41,13 +42,13 @@ pub struct Entry {
 }
 
 impl Node {
-    /// Parses a TOML document that starts at `start` in the sources, and reports syntax errors and numbers that are not
-    /// finite. The tree holds all that could be parsed.
+    /// Parses a TOML document that starts at `start` in the sources, and reports syntax errors and
+    /// numbers that are not finite. The tree holds all that could be parsed.
     pub fn parse(text: &str, start: usize) -> (Node, Vec<TomlError>) {
         let (document, found) = DeTable::parse_recoverable(text);
         let mut errors = Vec::new();
         for (count, error) in found.iter().enumerate() {
-            let find_duplicates = count < MOST_SEARCHES && text.len() < LONGEST_SEARCHED;
+            let find_duplicates = count < MAX_SEARCHES && text.len() < MAX_SEARCHED_LENGTH;
             let error = TomlError::new(error, text, find_duplicates);
             errors.push(TomlError { span: shift(error.span.clone(), start), ..error });
         }
@@ -120,6 +121,14 @@ impl Node {
         }
     }
 
+    /// A table without spans; empty for any other value.
+    pub fn to_table(&self) -> toml::Table {
+        match self.to_toml() {
+            toml::Value::Table(table) => table,
+            _ => toml::Table::new(),
+        }
+    }
+
     /// A value that is computed from the text at `span`.
     pub fn computed(value: Value, span: &Span) -> Node {
         Node { span: span.clone(), value }
@@ -187,8 +196,9 @@ fn shift(span: Span, start: usize) -> Span {
     span.start + start..span.end + start
 }
 
-/// The value of an assignment `a.b = ...` that starts at `start` in the sources and whose key has `depth` segments.
-pub fn assigned(text: &str, start: usize, depth: usize) -> (Node, Vec<TomlError>) {
+/// The value of an assignment `a.b = ...` that starts at `start` in the sources and whose key has
+/// `depth` segments.
+pub fn assigned_value(text: &str, start: usize, depth: usize) -> (Node, Vec<TomlError>) {
     let (mut node, errors) = Node::parse(text, start);
     for _ in 0..depth {
         match node.value {
@@ -199,7 +209,7 @@ pub fn assigned(text: &str, start: usize, depth: usize) -> (Node, Vec<TomlError>
     (node, errors)
 }
 
-/// Finds the entry with the shortest key or value around a byte; of equal ones the inner.
+/// Finds the entry with the shortest key or value around a byte; among equal ones the inner one.
 fn narrow(node: &Node, path: &mut Vec<String>, at: usize, best: &mut Option<(Vec<String>, usize)>) {
     let mut compare = |path: &mut Vec<String>, node: &Node, spans: &[&Span]| {
         for span in spans.iter().filter(|span| span.start <= at && at < span.end) {

@@ -3,7 +3,8 @@
 use std::borrow::Cow;
 use std::path::Path;
 
-/// The text with control characters as Rust escapes (`\n`, `\u{1b}`), since a terminal would obey them.
+/// The text with control characters as Rust escapes (`\n`, `\u{1b}`), so that terminals do not
+/// interpret them.
 pub fn visible(text: &str) -> Cow<'_, str> {
     if !text.chars().any(char::is_control) {
         return text.into();

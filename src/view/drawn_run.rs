@@ -1,11 +1,11 @@
 //! The drawn part of a run, from the topics of its log.
 
-use crate::files::input;
-use crate::log::{LogError, Scene, Trajectory};
+use crate::log::{Scene, Trajectory, read_bytes};
 use crate::view::view_error::ViewError;
 use std::path::Path;
 
-/// A log prepared for drawing: the ticks at which the robot's frames are known, and the other series at these ticks.
+/// A log prepared for drawing: the ticks at which the robot's frames are known, and the other
+/// series at these ticks.
 #[derive(Clone, Debug)]
 pub struct DrawnRun {
     /// The run's series. `motion` and `soles` are `None` where the scenario did not log them.
@@ -20,10 +20,9 @@ impl DrawnRun {
     /// Reads a log.
     ///
     /// # Errors
-    /// It cannot be read, is damaged, or holds no frames.
+    /// It cannot be read, is damaged, or has no frames.
     pub fn read(path: &Path) -> Result<Self, ViewError> {
-        let bytes = input::read(path, input::UNLIMITED);
-        let bytes = bytes.map_err(|source| LogError::Io { path: path.to_owned(), source })?;
+        let bytes = read_bytes(path)?;
         let run = Trajectory::from_bytes(path, &bytes)?;
         let scene = Scene::from_bytes(path, &bytes)?;
         Self::new(run, scene).ok_or_else(|| ViewError::NoScene { path: path.to_owned() })
@@ -35,7 +34,7 @@ impl DrawnRun {
             // A log of frames alone has only the log time, to the nanosecond.
             scene.times.iter().map(|ns| *ns as f64 * 1e-9).collect()
         } else {
-            // A run that broke down may have written its last tick on some topics only.
+            // A failed run may have written its last tick on some topics only.
             let both = run.times.len().min(scene.times.len());
             run.times[..both].to_vec()
         };
@@ -51,21 +50,21 @@ impl DrawnRun {
         root.map_or("world", |f| f.parent.as_str())
     }
 
-    /// Indices of the ticks to show, at most `rate` per second: the first, each next one at least 0.99 periods later (logged
-    /// times are rounded), and the last.
+    /// Indices of the ticks to show, at most `rate` per second: the first, further ones at least
+    /// 0.99 periods apart (logged times are rounded), and the last.
     pub fn thinned(&self, rate: Option<f64>) -> Vec<usize> {
         let Some(rate) = rate else { return (0..self.times.len()).collect() };
         let period = 0.99 / rate;
-        let mut kept: Vec<usize> = Vec::new();
+        let mut ticks: Vec<usize> = Vec::new();
         for (i, time) in self.times.iter().enumerate() {
-            if kept.last().is_none_or(|&last| time - self.times[last] >= period) {
-                kept.push(i);
+            if ticks.last().is_none_or(|&last| time - self.times[last] >= period) {
+                ticks.push(i);
             }
         }
         let last = self.times.len() - 1;
-        if kept.last() != Some(&last) {
-            kept.push(last);
+        if ticks.last() != Some(&last) {
+            ticks.push(last);
         }
-        kept
+        ticks
     }
 }

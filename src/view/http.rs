@@ -69,7 +69,7 @@ impl Response {
             404 => "Not Found",
             405 => "Method Not Allowed",
             431 => "Request Header Fields Too Large",
-            _ => "Internal ViewServer Error",
+            _ => "Internal Server Error",
         };
         let mut head = format!(
             "HTTP/1.1 {} {reason}\r\nContent-Type: {}\r\nContent-Length: {}\r\nContent-Security-Policy: {POLICY}\r\n\
@@ -115,7 +115,7 @@ pub(super) fn read(mut from: impl Read) -> Result<Request, Option<Response>> {
             Ok(httparse::Status::Partial) | Err(httparse::Error::TooManyHeaders) => {
                 return Err(Some(Response::refusal(431, "the head of the request is too long")));
             }
-            Err(error) => return Err(Some(Response::refusal(400, format!("no HTTP request: {error}")))),
+            Err(error) => return Err(Some(Response::refusal(400, format!("not an HTTP request: {error}")))),
         }
     }
 }

@@ -1,12 +1,15 @@
-//! Shows a run: turns its log into a page on which the run plays in three dimensions. Reads logs and changes nothing.
+//! Shows a run: turns its log into a page on which the run plays in three dimensions. Reads logs
+//! and changes nothing.
 //!
 //! ```text
-//! log -> DrawnRun (times, frames, shapes, series) -> PackedRun (bytes) -> page, as one file or from a local server
+//! log -> DrawnRun (times, frames, shapes, series) -> PackedRun (bytes) -> page, file or served
 //! ```
 //!
-//! The page is `page/viewer.html` with style and scripts inserted; it loads nothing from other hosts. It draws with
-//! three.js; `page/three.min.js` holds the parts that it needs (see `page/three/`). Imports `log`, `results`, `files`; called
-//! by `cli`.
+//! The page is `page/viewer.html` with style and scripts inserted; it loads nothing from other
+//! hosts. It draws with three.js; `page/three.min.js` has the parts that it needs (see
+//! `page/three/`).
+//!
+//! Imports: `files`, `log`, `results`. Used by: `cli`.
 
 mod drawn_run;
 mod http;

@@ -4,9 +4,10 @@
 //! u32 length of the head | head: JSON | zeros up to a multiple of 8 | columns
 //! ```
 //!
-//! Little-endian. The head describes the contents; `{"at": A, "n": N}` in it refers to N numbers that begin A bytes into the
-//! columns: times as f64, indices and offsets as u32, codes as u8, all others as f32, rounded from the log's f64. An absent
-//! number (centre of pressure in flight) is NaN.
+//! Little-endian. The head describes the contents; `{"at": A, "n": N}` in it refers to N numbers
+//! that begin A bytes into the columns: times as f64, indices and offsets as u32, codes as u8, all
+//! others as f32, rounded from the log's f64. An absent number (centre of pressure in flight) is
+//! NaN.
 
 use crate::log::{Frame, SelfCollisionSeries, SoleSeries};
 use crate::view::drawn_run::DrawnRun;
@@ -148,7 +149,8 @@ fn frame(frame: &Frame, columns: &mut Columns) -> Value {
     json!({ "name": frame.name, "parent": frame.parent, "fixed": fixed, "poses": columns.floats(&rows) })
 }
 
-/// Encodes the nearest pair of the robot's bodies: indices into a list of names, distance, and a point on either body.
+/// Encodes the nearest pair of the robot's bodies: indices into a list of names, distance, and a
+/// point on either body.
 fn nearest(series: &SelfCollisionSeries, margin: f64, columns: &mut Columns) -> Value {
     let ticks = columns.ticks;
     let (names, codes) = distinct(ticks.iter().map(|&i| series.pair[i].as_str()));
@@ -174,7 +176,8 @@ fn margin(drawn: &DrawnRun) -> f64 {
 fn sole(sole: &SoleSeries, columns: &mut Columns) -> Value {
     let ticks = columns.ticks;
     let (names, codes) = distinct(ticks.iter().map(|&i| sole.state[i].as_str()));
-    // A sole of k vertices has 1 + 2 (2 k + 1) states, so a byte suffices for more than 60 vertices; soles have fewer.
+    // A sole of k vertices has 1 + 2 (2 k + 1) states, so a byte suffices for more than 60
+    // vertices; soles have fewer.
     let codes: Vec<u8> = codes.into_iter().map(|code| code as u8).collect();
     let state = columns.put(codes.len(), codes);
     let vertices: Vec<Value> = sole

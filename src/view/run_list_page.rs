@@ -18,7 +18,7 @@ struct Row {
 
 /// Renders the page.
 pub(super) fn page(runs: &ViewableRuns) -> String {
-    let rows: Vec<Row> = runs.shown().iter().filter_map(|run| run.record.as_deref()).map(row).collect();
+    let rows: Vec<Row> = runs.runs().iter().filter_map(|run| run.record.as_deref()).map(row).collect();
     viewer_page::render("list.html", context! { rows => Value::from(Serde(rows)), without => runs.without_log() })
 }
 

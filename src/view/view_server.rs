@@ -1,7 +1,8 @@
 //! Serves pages of runs to browsers on this machine only.
 //!
-//! The server listens on the loopback address and answers a request only if its `Host` names that address, against pages of
-//! other hosts that resolve their name to it (DNS rebinding). Targets are numbers of runs, so no request names a file.
+//! The server listens on the loopback address and answers a request only if its `Host` names that
+//! address, against pages of other hosts that resolve their name to it (DNS rebinding). Targets are
+//! numbers of runs, so no request names a file.
 
 use crate::view::drawn_run::DrawnRun;
 use crate::view::http::{self, Request, Response};
@@ -42,7 +43,8 @@ struct Pages {
 }
 
 impl ViewServer {
-    /// Binds a port of the loopback address; 0 selects a free one. With `rate`, at most so many ticks per second are shown.
+    /// Binds a port of the loopback address; 0 selects a free one. With `rate`, at most so many
+    /// ticks per second are shown.
     ///
     /// # Errors
     /// The port is in use or not permitted.
@@ -78,7 +80,7 @@ impl ViewServer {
             }
             let (pages, busy) = (self.pages.clone(), busy.clone());
             std::thread::spawn(move || {
-                // An answer to a closed connection needs no other.
+                // A closed connection needs no further answer.
                 let _ = answer(&pages, &stream);
                 busy.fetch_sub(1, Ordering::SeqCst);
             });
@@ -111,7 +113,7 @@ impl Pages {
             return Response::refusal(403, format!("this server answers requests to {} only", self.hosts[0]));
         }
         let path = request.target.split(['?', '#']).next().unwrap_or_default();
-        let all = self.runs.shown();
+        let all = self.runs.runs();
         if path == "/" {
             return match all {
                 [_] => Response::redirect("/run/0/"),

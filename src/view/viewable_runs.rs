@@ -10,8 +10,9 @@ use std::path::{Path, PathBuf};
 /// Runs with a log.
 #[derive(Clone, Debug)]
 pub struct ViewableRuns {
-    shown: Vec<ViewableRun>,
-    without: usize,
+    runs: Vec<ViewableRun>,
+    /// Number of runs without a log.
+    without_log: usize,
 }
 
 /// A run with a log.
@@ -24,8 +25,8 @@ pub struct ViewableRun {
 }
 
 impl ViewableRuns {
-    /// Finds the run of a log or of a run's folder, or the runs of a folder of results in the order of its summary. Also
-    /// returns the errors of records that cannot be read.
+    /// Finds the run of a log or of a run's folder, or the runs of a folder of results in the order
+    /// of its summary. Also returns the errors of records that cannot be read.
     ///
     /// # Errors
     /// There is no such file or folder.
@@ -36,7 +37,7 @@ impl ViewableRuns {
             // The log is read when a browser requests it; now only its existence is checked.
             input::open(&log).map_err(|source| ViewError::Io { path: log.clone(), source })?;
             let record = RunRecord::read(&log.with_file_name(names::RUN_RECORD)).ok().map(Box::new);
-            return Ok((Self { shown: vec![ViewableRun { log, record }], without: 0 }, Vec::new()));
+            return Ok((Self { runs: vec![ViewableRun { log, record }], without_log: 0 }, Vec::new()));
         }
         let found = read_records(path)?;
         let total = found.runs.len();
@@ -44,19 +45,19 @@ impl ViewableRuns {
             let log = run.files.iter().find(|file| file.ends_with(names::LOG))?.clone();
             Some(ViewableRun { log, record: Some(Box::new(run.record)) })
         });
-        let shown: Vec<_> = logged.collect();
-        let without = total - shown.len();
-        Ok((Self { shown, without }, found.skipped))
+        let runs: Vec<_> = logged.collect();
+        let without_log = total - runs.len();
+        Ok((Self { runs, without_log }, found.skipped))
     }
 
     /// The runs.
-    pub fn shown(&self) -> &[ViewableRun] {
-        &self.shown
+    pub fn runs(&self) -> &[ViewableRun] {
+        &self.runs
     }
 
     /// Number of runs of the folder without a log.
     pub fn without_log(&self) -> usize {
-        self.without
+        self.without_log
     }
 }
 

@@ -12,7 +12,7 @@ use std::path::Path;
 
 const STYLE: &str = include_str!("page/style.css");
 const THREE: &str = include_str!("page/three.min.js");
-/// In the order of their dependencies.
+/// Scripts in the order of their dependencies.
 const SCRIPTS: [&str; 7] = [
     include_str!("page/run_data.js"),
     include_str!("page/stage.js"),
@@ -36,7 +36,9 @@ pub fn file_page(title: &str, packed: &PackedRun) -> String {
 /// # Errors
 /// The folder or file cannot be written.
 pub fn write_page(path: &Path, page: &str) -> Result<(), RecordError> {
-    atomic::write_named(path, atomic::Made::Page, |out| out.write_all(page.as_bytes()).map_err(RecordError::io(path)))
+    atomic::write_named(path, atomic::OutputKind::Page, |out| {
+        out.write_all(page.as_bytes()).map_err(RecordError::io(path))
+    })
 }
 
 /// Renders a page that loads its run from the server, at the relative address `data`.

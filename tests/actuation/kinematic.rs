@@ -1,6 +1,6 @@
-//! Kinematic joints: prescribed motions inside a robot with dynamics.
+//! Kinematic joints: prescribed motions in a robot with dynamics.
 
-use super::{SILENT, hinge, link, robot, simulation};
+use super::{NO_COMMANDS, hinge, link, robot, simulation};
 use crate::analytic::body::G;
 use crate::analytic::support::{Recording, finish, rk4, root};
 use stiction::assemble;
@@ -10,7 +10,8 @@ use stiction::sim::NullObserver;
 
 const TIGHT: &str = "integrator = { relative_tolerance = 1e-10, absolute_tolerance = 1e-12 }";
 
-/// A free body of mass `M` and inertia `I` that carries an arm `(m, i)`: hinge `A` from its centre, arm's centre `B` further.
+/// A free body of mass `M` and inertia `I` with an arm `(m, i)`: hinge `A` from its centre, arm's
+/// centre `B` further.
 const M: f64 = 3.0;
 const I: f64 = 0.02;
 const A: f64 = 0.1;
@@ -20,7 +21,8 @@ fn floating(m: f64, i: f64) -> String {
     robot(&[link("body", M, 0.0, I), hinge("arm", "body", "rod", A, "0 0 1"), link("rod", m, B, i)])
 }
 
-/// How much the body turns back per turn of the arm, at angle `theta` between them: without angular momentum,
+/// Rotation of the body against the arm per turn of the arm, at the angle `theta` between them,
+/// without angular momentum:
 ///
 /// ```text
 /// I f' + i (f' + t') + u (a^2 f' + b^2 (f' + t') + a b cos t (2 f' + t')) = 0,   u = M m / (M + m)
@@ -59,7 +61,7 @@ fn swing(settings: &str, drive: &str) -> String {
 
 #[test]
 fn a_body_recoils_from_its_prescribed_arm_by_the_closed_form() {
-    // From an arm that is nothing to one that is heavier than the body.
+    // From a massless arm to one that is heavier than the body.
     for (m, i) in [(1e-6, 1e-9), (0.5, 1e-3), (8.0, 0.3)] {
         // First order with steps of 1e-4; error control at 1e-10; fixed steps of 1e-3 at order 4.
         for (settings, tolerance) in [
@@ -68,7 +70,7 @@ fn a_body_recoils_from_its_prescribed_arm_by_the_closed_form() {
             ("integrator = { method = \"rk4\", step = 1e-3 }", 1e-9),
             ("integrator = { method = \"semi-implicit\", step = 1e-4 }", 1e-3),
         ] {
-            let mut sim = simulation(Some(&floating(m, i)), &swing(settings, "{ mode = \"kinematic\" }"), SILENT);
+            let mut sim = simulation(Some(&floating(m, i)), &swing(settings, "{ mode = \"kinematic\" }"), NO_COMMANDS);
             let mut recording = Recording::default();
             let metrics = finish(&mut sim, &mut recording);
             let state = &sim.plant().state;
@@ -76,12 +78,12 @@ fn a_body_recoils_from_its_prescribed_arm_by_the_closed_form() {
             let truth = integral(|theta| recoil(m, i, theta), 0.0, 1.2);
             let yaw = state.rotation.scaled_axis().z;
             assert!((yaw - truth).abs() < tolerance, "{settings} {m}: {yaw} {truth}");
-            // Momentum: nothing acts from outside.
+            // Momentum: no external force acts.
             let (size, speed) = (M + m, 1.0);
             let worst = recording.snapshots.iter().map(|s| s.com_velocity.norm()).fold(0.0, f64::max);
             assert!(worst < tolerance * speed, "{settings}: {worst}");
             assert!(body::momentum(&sim.plant().ws).angular.norm() < tolerance * size, "{settings}");
-            // At rest again: the drive has put in as much as it took out.
+            // At rest again: the drive has absorbed as much work as it supplied.
             let energy = 0.5 * m * B * B * (1.2f64 * 15.0 / 8.0 / 0.5).powi(2);
             if !settings.contains("semi") {
                 assert!(metrics.actuator_work_j.abs() < 10.0 * tolerance * energy.max(1e-3), "{metrics:?}");
@@ -95,14 +97,15 @@ fn a_body_recoils_from_its_prescribed_arm_by_the_closed_form() {
 fn steps_do_not_depend_on_how_light_the_link_is() {
     let steps = |m: f64| {
         let text = swing("", "{ mode = \"kinematic\" }");
-        let metrics = finish(&mut simulation(Some(&floating(m, 1e-3 * m)), &text, SILENT), &mut NullObserver);
+        let metrics = finish(&mut simulation(Some(&floating(m, 1e-3 * m)), &text, NO_COMMANDS), &mut NullObserver);
         (metrics.steps, metrics.rejected_steps)
     };
     assert_eq!(steps(1e-6), steps(1e-9));
     assert_eq!(steps(1e-6).1, 0);
 }
 
-/// The double pendulum of robots/pendulum (see analytic::pendulum), its shoulder turned as commanded.
+/// The double pendulum of robots/pendulum (see analytic::pendulum), its shoulder rotated as
+/// commanded.
 const PENDULUM: &str = "
     duration = 1.5
     log = { rate = 100.0 }
@@ -130,7 +133,7 @@ fn shoulder(a: [f64; 3], b: f64, q: f64) -> f64 {
 }
 
 #[test]
-fn a_pendulum_on_a_shoulder_that_turns_evenly_swings_by_its_own_equation() {
+fn a_pendulum_on_a_uniformly_rotating_shoulder_obeys_its_equation_of_motion() {
     let w = 2.5;
     let text = format!("{TIGHT}\n{PENDULUM}\nvelocity = {{ shoulder = {w}, elbow = -0.5 }}");
     let mut sim = simulation(None, &text, Some(move |j, t| if j == 0 { [0.4 + w * t, w, 0.0] } else { [0.0; 3] }));
@@ -143,7 +146,8 @@ fn a_pendulum_on_a_shoulder_that_turns_evenly_swings_by_its_own_equation() {
     assert!((state.joints[0] - upper(1.5)[0]).abs() < 1e-13 && (state.v[0] - w).abs() < 1e-12, "{state:?}");
     assert!((state.joints[0] + state.joints[1] - b).abs() < 1e-8, "{} {b}", state.joints[0] + state.joints[1]);
     assert!((state.v[0] + state.v[1] - q).abs() < 1e-7);
-    // The effort reported is what turns the shoulder; it is far from zero. Rounding of q over T^2 is in it.
+    // The reported effort is what rotates the shoulder; it is far from zero. It contains the
+    // rounding of q over T^2.
     let last = recording.snapshots.last().expect("one");
     assert!(
         (last.effort[0] - shoulder(upper(1.5), b, q)).abs() < 1e-6,
@@ -157,8 +161,9 @@ fn a_pendulum_on_a_shoulder_that_turns_evenly_swings_by_its_own_equation() {
 }
 
 #[test]
-fn commands_along_a_smooth_curve_are_followed_on_time() {
-    // a = 0.4 + 0.5 (1 - cos w t): the first tick knows no acceleration and ends a T^2 / 2 short, the second catches up.
+fn smooth_commands_are_followed_without_delay() {
+    // a = 0.4 + 0.5 (1 - cos w t): the first tick has no acceleration yet and ends a T^2 / 2 short,
+    // the second makes up for it.
     let w = 4.0;
     let upper = move |t: f64| {
         let (s, c) = (w * t).sin_cos();
@@ -178,10 +183,11 @@ fn commands_along_a_smooth_curve_are_followed_on_time() {
     }
     let [b, q] = rk4([0.7, 0.0], 1.5, 100_000, |t, [b, q]| [*q, lower(upper(t), *b, *q)]);
     let state = &sim.plant().state;
-    // The first tick: velocity a T too low at its end, for two ticks; a = 8.
+    // First tick: the velocity at its end is a T too low, for two ticks; a = 8.
     assert!((state.joints[0] + state.joints[1] - b).abs() < 2e-5, "{:e}", state.joints[0] + state.joints[1] - b);
     assert!((state.v[0] + state.v[1] - q).abs() < 1e-4);
-    // Six times the third derivative's share of a tick would show as a saw-tooth: the effort is smooth.
+    // A share of six times the third derivative per tick would appear as a saw-tooth; the effort is
+    // smooth.
     let smooth = shoulder(upper(1.5), b, q);
     assert!((recording.snapshots.last().expect("one").effort[0] - smooth).abs() < 1e-3, "{smooth}");
 }
@@ -193,17 +199,17 @@ fn a_command_that_jumps_is_reached_within_one_tick() {
     let mut recording = Recording::default();
     let metrics = finish(&mut sim, &mut recording);
     for s in &recording.snapshots {
-        // At the instant itself the command is new and the joint still where it was.
+        // At the instant itself the command is new and the joint still has its old position.
         let expected = if s.time < 0.5005 { 0.4 } else { 0.5 };
         assert!((s.q[0] - expected).abs() < 1e-15, "{} {}", s.time, s.q[0]);
     }
-    // 0.1 rad within a millisecond, at 150 rad/s: some 0.5 kg m^2 hold 5600 J on the way, of which the integrator's
-    // tolerance of 1e-6 lets a part of that size go.
+    // 0.1 rad within a millisecond, at 150 rad/s: about 0.5 kg m^2 hold 5600 J on the way. The
+    // integrator's tolerance of 1e-6 is relative to that energy.
     assert!(metrics.max_energy_error_j < 1e-6 * 5600.0 && metrics.impacts == 0, "{metrics:?}");
 }
 
 #[test]
-fn a_sole_that_only_prescribed_motions_carry_is_refused() {
+fn a_sole_carried_only_by_kinematic_joints_is_refused() {
     let text = |mode: &str| {
         PENDULUM.replace("soles = []", "soles = [{ name = \"tip\", link = \"lower\", polygon = [[0, 0, -0.5]] }]")
             + &format!("joint.elbow = {{ mode = \"{mode}\" }}\n")
@@ -250,7 +256,7 @@ fn a_robot_stands_and_lands_while_its_kinematic_head_nods() {
             ("integrator = { method = \"semi-implicit\", step = 1e-3 }\ncontact = { method = \"lcp\" }", 1e-1),
             ("integrator = { method = \"semi-implicit\", step = 1e-3 }\ncontact = { method = \"ncp\" }", 1e-1),
         ] {
-            let mut sim = simulation(None, &nodding(settings, height), SILENT);
+            let mut sim = simulation(None, &nodding(settings, height), NO_COMMANDS);
             let mut recording = Recording::default();
             let metrics = finish(&mut sim, &mut recording);
             let model = sim.plant().model.clone();

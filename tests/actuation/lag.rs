@@ -1,6 +1,6 @@
 //! Actuators with a first-order lag, against closed forms.
 
-use super::{SILENT, hinge, link, robot, simulation, wheel};
+use super::{NO_COMMANDS, hinge, link, robot, simulation, wheel};
 use crate::analytic::support::{Recording, finish, rk4};
 use stiction::sim::NullObserver;
 
@@ -29,19 +29,19 @@ const EXPLICIT: [(&str, f64); 3] = [
 ];
 
 #[test]
-fn a_step_of_the_command_is_followed_by_an_exponential() {
+fn a_step_command_gives_an_exponential_response() {
     // u = 2 N m from the tick at 0.1 s on.
-    let told_effort = |_: usize, t: f64| [0.0, 0.0, if t < 0.1 - 1e-9 { 0.0 } else { 2.0 }];
+    let commanded_effort = |_: usize, t: f64| [0.0, 0.0, if t < 0.1 - 1e-9 { 0.0 } else { 2.0 }];
     let semi = ("integrator = { method = \"semi-implicit\", step = 1e-3 }", 1e-12);
     for (settings, tolerance) in EXPLICIT.into_iter().chain([semi]) {
         let text = driven(settings, "mode = \"force\"", 0.4);
-        let mut sim = simulation(Some(&wheel(INERTIA)), &text, Some(told_effort));
+        let mut sim = simulation(Some(&wheel(INERTIA)), &text, Some(commanded_effort));
         let mut recording = Recording::default();
         let metrics = finish(&mut sim, &mut recording);
         let snapshots = recording.snapshots.iter();
         let mut rows: Vec<_> = snapshots.map(|s| (s.time, s.effort[0], s.qd[0])).collect();
         if settings == semi.0 {
-            // What is logged of a fixed step is the effort at its start: only the end is compared.
+            // A fixed step logs the effort at its start, so only the end is compared.
             let state = &sim.plant().state;
             rows = vec![(state.time, state.actuators[0], state.v[0])];
         }
@@ -58,9 +58,9 @@ fn a_step_of_the_command_is_followed_by_an_exponential() {
 }
 
 #[test]
-fn a_sine_comes_out_smaller_and_later() {
-    // u held from tick to tick at 10 kHz: T dz/dt = u - z with a sine of w = 50, w T = 1.5. A held sine is late by half a
-    // tick and its amplitude falls by (w t)^2 / 24 = 1e-6.
+fn a_sine_is_attenuated_and_delayed() {
+    // u is constant from tick to tick at 10 kHz: T dz/dt = u - z with a sine of w = 50, w T = 1.5.
+    // A sampled sine is late by half a tick and its amplitude falls by (w t)^2 / 24 = 1e-6.
     let w: f64 = 50.0;
     let text = driven("control = { rate = 10000.0 }", "mode = \"force\"", 0.6);
     let mut sim = simulation(Some(&wheel(INERTIA)), &text, Some(move |_, t: f64| [0.0, 0.0, (w * t).sin()]));
@@ -70,13 +70,13 @@ fn a_sine_comes_out_smaller_and_later() {
     for s in recording.snapshots.iter().filter(|s| s.time > 0.4) {
         let start = amplitude * phase.sin() * (-s.time / T).exp();
         let expected = amplitude * (w * (s.time - 0.5e-4) - phase).sin() + start;
-        // The ripple of one held tick: w dt / 2 of dt / T.
+        // The ripple of one tick: w dt / 2 of dt / T.
         assert!((s.effort[0] - expected).abs() < 1e-5, "{}: {} {expected}", s.time, s.effort[0]);
     }
 }
 
 #[test]
-fn a_position_servo_with_lag_moves_by_its_characteristic_cubic() {
+fn a_position_servo_with_lag_obeys_its_characteristic_cubic() {
     // I T s^3 + I s^2 + kd s + kp = 0, by an independent integration of the three equations.
     let (kp, kd) = (40.0, 3.0);
     let drive = format!("mode = \"position\", kp = {kp}, kd = {kd}");
@@ -84,9 +84,9 @@ fn a_position_servo_with_lag_moves_by_its_characteristic_cubic() {
         EXPLICIT.into_iter().chain([("integrator = { method = \"semi-implicit\", step = 1e-5 }", 2e-4)])
     {
         let text = driven(settings, &drive, 0.5) + "velocity = { axle = 1.5 }\n";
-        let mut sim = simulation(Some(&wheel(INERTIA)), &text, SILENT);
+        let mut sim = simulation(Some(&wheel(INERTIA)), &text, NO_COMMANDS);
         let metrics = finish(&mut sim, &mut NullObserver);
-        // At the start the actuator holds the servo effort: -kd qd.
+        // At the start the actuator exerts the servo effort: -kd qd.
         let f = |_: f64, [q, v, z]: &[f64; 3]| [*v, z / INERTIA, (-kp * q - kd * v - z) / T];
         let [q, v, z] = rk4([0.0, 1.5, -kd * 1.5], 0.5, 100_000, f);
         let state = &sim.plant().state;
@@ -94,14 +94,14 @@ fn a_position_servo_with_lag_moves_by_its_characteristic_cubic() {
             assert!((mine - truth).abs() < 10.0 * tolerance, "{settings}: {mine} {truth}");
         }
         assert!(metrics.max_energy_error_j < 10.0 * tolerance, "{settings} {metrics:?}");
-        // The roots: a real one and a pair; the solution through them.
+        // The roots, a real one and a pair, and the solution through them.
         let roots = roots(INERTIA * T, INERTIA, kd, kp);
         let exact = modes(&roots, [0.0, 1.5, -kd * 1.5 / INERTIA], 0.5);
         assert!((q - exact).abs() < 1e-11, "{q} {exact}");
     }
 }
 
-/// Roots of `a s^3 + b s^2 + c s + d` by Durand and Kerner's iteration.
+/// Roots of `a s^3 + b s^2 + c s + d` by the Durand-Kerner iteration.
 fn roots(a: f64, b: f64, c: f64, d: f64) -> [nalgebra::Complex<f64>; 3] {
     use nalgebra::Complex;
     let scale = (d / a).abs().cbrt();
@@ -116,7 +116,8 @@ fn roots(a: f64, b: f64, c: f64, d: f64) -> [nalgebra::Complex<f64>; 3] {
     x
 }
 
-/// The sum of exponentials with these rates that starts with this value, slope and curvature, at time `t`.
+/// The sum of exponentials with these rates that has this initial value, slope and curvature, at
+/// time `t`.
 fn modes(rates: &[nalgebra::Complex<f64>; 3], start: [f64; 3], t: f64) -> f64 {
     use nalgebra::{Complex, Matrix3, Vector3};
     let vandermonde = Matrix3::from_fn(|r, c| rates[c].powi(r as i32));
@@ -126,9 +127,9 @@ fn modes(rates: &[nalgebra::Complex<f64>; 3], start: [f64; 3], t: f64) -> f64 {
 }
 
 #[test]
-fn a_lag_too_short_to_see_leaves_the_motion_as_it_is() {
-    // Velocity-level steps of 1e-3 with T = 1e-9: the mean of the effort is the servo effort at the end of the step, implicit
-    // gains included.
+fn a_negligible_lag_does_not_change_the_motion() {
+    // Velocity-level steps of 1e-3 with T = 1e-9: the mean effort is the servo effort at the end of
+    // the step, including implicit gains.
     let text = |lag: &str| {
         format!(
             "duration = 0.5
@@ -152,7 +153,7 @@ fn a_lag_too_short_to_see_leaves_the_motion_as_it_is() {
         link("lower", 0.5, 0.1, 0.003),
     ]);
     let end = |lag: &str| {
-        let mut sim = simulation(Some(&arm), &text(lag), SILENT);
+        let mut sim = simulation(Some(&arm), &text(lag), NO_COMMANDS);
         finish(&mut sim, &mut NullObserver);
         sim.plant().state.clone()
     };

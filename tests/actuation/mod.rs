@@ -29,11 +29,12 @@ impl<F: Fn(usize, f64) -> [f64; 3] + Send + 'static> Task for CommandTask<F> {
     }
 
     fn name(&self) -> &str {
-        "told"
+        "commanded"
     }
 }
 
-/// The run of a scenario whose robot is this URDF, or without one the scenario's; its joints get the given commands.
+/// Assembles a scenario with this URDF, or with its own robot if `None`; `command` drives the
+/// joints.
 fn simulation(
     urdf: Option<&str>,
     text: &str,
@@ -58,8 +59,8 @@ fn simulation(
     Simulation::new(setup).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Nothing is told.
-const SILENT: Option<fn(usize, f64) -> [f64; 3]> = None;
+/// No commands.
+const NO_COMMANDS: Option<fn(usize, f64) -> [f64; 3]> = None;
 
 /// A link with its centre of mass at `[x, 0, 0]` and the moment of inertia `inertia` about every axis.
 fn link(name: &str, mass: f64, x: f64, inertia: f64) -> String {
@@ -81,7 +82,7 @@ fn robot(parts: &[String]) -> String {
     format!("<robot name=\"rig\">{}</robot>", parts.concat())
 }
 
-/// A wheel of this inertia on a fixed axle, without weight about it.
+/// A wheel of this inertia on a fixed axle; gravity exerts no moment about it.
 fn wheel(inertia: f64) -> String {
     robot(&[
         "<link name=\"world\"/>".into(),

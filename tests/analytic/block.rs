@@ -1,4 +1,4 @@
-//! A block on a floor: the cases whose truth fits on one line.
+//! A block on a floor: cases with a one-line solution.
 
 use super::support::run;
 

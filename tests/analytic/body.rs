@@ -1,4 +1,4 @@
-//! Homogeneous boxes of any size, written as URDF into a folder of their own.
+//! Homogeneous boxes of any size, written as URDF into a temporary folder.
 
 use std::fs;
 use tempfile::TempDir;
@@ -28,7 +28,8 @@ impl Body {
         body
     }
 
-    /// The sizes that the cases go through: the block of the tree, a heavy flat slab, a small dice, an oblong brick.
+    /// The sizes of the test cases: the block of the repository, a heavy flat slab, a small die, an
+    /// oblong brick.
     pub fn several() -> [Body; 4] {
         [([0.1, 0.1, 0.05], 1.0), ([0.4, 0.4, 0.02], 30.0), ([0.01, 0.01, 0.01], 0.008), ([0.12, 0.06, 0.03], 2.5)]
             .map(|(half, mass)| Body::new(half, mass))

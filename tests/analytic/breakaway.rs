@@ -1,5 +1,6 @@
-//! A growing push at the height of the floor slips the block at `mu_s m g` whatever its heading, a growing yaw moment at
-//! `mu_s m g r`, and both together on the exact capacity of the sole.
+//! Breakaway loads at any heading. A growing push at the height of the floor slips the block at
+//! `mu_s m g`, a growing yaw moment at `mu_s m g r`, and both together at the exact capacity of the
+//! sole.
 
 use super::body::{Body, G};
 use super::support::{TIGHT, run, watch};
@@ -28,7 +29,7 @@ fn slip(body: &Body, yaw: f64, mu: [f64; 2], force: [f64; 3], moment: [f64; 3]) 
     m.first_slip_s.expect("it slips")
 }
 
-// In all of these the slip is an event located to 1e-13 of a step; the margin's Newton solve is good to 1e-12.
+// Each slip is an event located to 1e-13 of a step; the margin's Newton solve is good to 1e-12.
 const LOCATED: f64 = 1e-9;
 
 #[test]
@@ -47,7 +48,8 @@ fn a_push_slips_at_mu_m_g_for_every_heading() {
 fn a_yaw_moment_slips_at_mu_m_g_r() {
     for (body, mu) in Body::several().into_iter().zip([[0.5, 0.5], [0.8, 0.4], [0.05, 0.01], [0.3, 0.29]]) {
         for turn in [1.0, -1.0] {
-            // Corners at equal distance r carry equal loads, so the capacity is mu m g r for the oblong body, too.
+            // Corners at equal distance r carry equal loads, so the capacity is mu m g r for the
+            // oblong body too.
             let full = 1.7 * mu[0] * body.mass * G * body.radius();
             let at = slip(&body, 0.6, mu, [0.0; 3], [0.0, 0.0, turn * full]);
             assert!((at * 1.7 - 1.0).abs() < LOCATED, "{}", at * 1.7 - 1.0);
@@ -71,13 +73,14 @@ fn push_and_moment_together_slip_on_the_capacity_found_by_scanning_slip_centres(
                 if load > 0.0 { friction / load } else { f64::INFINITY }
             };
             let truth = least(|[a, b]| {
-                // Direction on a sphere, with the turn in units of the radius.
+                // Direction on a sphere, with the rotation in units of the radius.
                 let (sa, ca) = f64::sin_cos(a);
                 let (sb, cb) = f64::sin_cos(b);
                 ratio(ca * cb, sa * cb, sb / body.radius())
             });
             let at = slip(&body, 0.0, mu, [2.0 * fx, 2.0 * fy, 0.0], [0.0, 0.0, 2.0 * moment]);
-            // The scan ends at a pattern size of 1e-9; the ratio is stationary there, at kinks first order.
+            // The scan ends at a pattern size of 1e-9; the ratio is stationary there, or first
+            // order at kinks.
             assert!((at * 2.0 / truth - 1.0).abs() < 2e-8, "{heading} {share}: {} {truth}", at * 2.0);
         }
     }
@@ -109,11 +112,11 @@ fn least(f: impl Fn([f64; 2]) -> f64) -> f64 {
     best
 }
 
-/// The legs spread on ice: the load creeps up to what friction bears, so slip begins at rest with hardly an acceleration.
-/// Rounding then has some vertices go backwards at first. That is no reason to ask again, which would put them back to
-/// rest, step after step.
+/// The legs spread on ice. The load rises slowly to the friction limit, so slip begins at rest with
+/// a tiny acceleration. Rounding then moves some vertices backwards at first. The selection must
+/// not run again for them, because it would return them to rest at every step.
 #[test]
-fn feet_that_begin_to_slip_slowly_are_let_go() {
+fn feet_that_begin_to_slip_slowly_keep_slipping() {
     let slides = |tolerance: &str| {
         run(&format!(
             "duration = 1.6\nfloor = {{ friction = 0.1 }}\nintegrator = {{ {tolerance} }}
@@ -128,7 +131,8 @@ fn feet_that_begin_to_slip_slowly_are_let_go() {
         assert_eq!((m.state_changes, m.inconsistent), (4, 0));
         assert!(m.events <= 6, "{} events", m.events);
     }
-    // Slower than 1e-7 m/s is rest with the usual tolerances, and the feet decelerate by some 1e-3 m/s^2.
+    // With the usual tolerances, slower than 1e-7 m/s is rest, and the feet decelerate by some 1e-3
+    // m/s^2.
     let ends = [usual.first_stick_s.expect("they stick"), fine.first_stick_s.expect("they stick")];
     assert!((ends[0] - ends[1]).abs() < 2e-4, "{ends:?}");
 }

@@ -1,4 +1,4 @@
-//! Events while running: what holds after them is what would have held with their values from the start.
+//! Events during a run: afterwards the motion is that of a run with the new values from the start.
 
 use super::body::G;
 use super::support::{TIGHT, finish, run, simulation, watch};
@@ -8,7 +8,7 @@ use stiction::sim::NullObserver;
 const BLOCK: &str = "model = \"robots/block/block.toml\"";
 
 #[test]
-fn a_floor_that_turns_to_ice_lets_a_block_go() {
+fn a_block_slides_when_the_floor_turns_to_ice() {
     let angle = 0.2f64;
     for (mu, kinetic) in [(0.1, 0.1), (0.15, 0.05)] {
         let text = format!(
@@ -18,18 +18,18 @@ fn a_floor_that_turns_to_ice_lets_a_block_go() {
         );
         let (m, recording) = watch(&text);
         let acceleration = G * (angle.sin() - kinetic * angle.cos());
-        // Integration at 1e-9, which a constant acceleration does not even use up.
+        // Integration at 1e-9; a constant acceleration is integrated better than that.
         assert!((m.final_base_shift_m - 0.5 * acceleration * 0.36).abs() < 1e-10, "{}", m.final_base_shift_m);
         assert_eq!(m.first_slip_s, Some(0.4));
         assert!(m.energy_error_j.abs() < 1e-10 && m.inconsistent == 0);
-        let event = recording.events.iter().find(|e| e.kind == "event").expect("it is told");
+        let event = recording.events.iter().find(|e| e.kind == "event").expect("it is reported");
         assert_eq!(event.time, 0.4);
         assert!(event.message.starts_with("floor.friction = {"), "{}", event.message);
     }
 }
 
 #[test]
-fn every_way_of_stepping_hears_of_the_ice() {
+fn every_stepping_scheme_responds_to_the_ice() {
     for how in [
         "contact = { method = \"one-step\" }",
         "contact = { method = \"ncp\" }\nintegrator = { method = \"semi-implicit\", step = 1e-3 }",
@@ -44,14 +44,15 @@ fn every_way_of_stepping_hears_of_the_ice() {
         );
         let m = run(&text);
         let way = 0.5 * G * (0.2f64.sin() - 0.1 * 0.2f64.cos()) * 0.36;
-        // First order in a step of 1e-3 s at speeds up to 0.6 m/s, and springs that sink by half a millimetre.
+        // First order in a step of 1e-3 s at speeds up to 0.6 m/s, and springs that deflect by half
+        // a millimetre.
         assert!((m.final_base_shift_m - way).abs() < 2e-3, "{how}: {} not {way}", m.final_base_shift_m);
     }
 }
 
 #[test]
-fn a_patch_appears_and_goes() {
-    // Slides from (0, 0) at 1 m/s on ice; the floor gets a rough patch under it for 0.1 s.
+fn a_patch_appears_and_disappears() {
+    // The block slides from (0, 0) at 1 m/s on ice; the floor has a rough patch below it for 0.1 s.
     let text = format!(
         "duration = 1.0\nfloor = {{ friction = 0 }}\n{TIGHT}
         [robot]\n{BLOCK}\nbase = {{ linear_velocity = [1, 0, 0] }}
@@ -65,7 +66,7 @@ fn a_patch_appears_and_goes() {
 }
 
 #[test]
-fn payload_and_gravity_change_what_the_floor_bears() {
+fn payload_and_gravity_change_the_floor_force() {
     let text = |more: &str| {
         format!(
             "duration = 0.6\n{TIGHT}\n[robot]\n{BLOCK}
@@ -76,7 +77,7 @@ fn payload_and_gravity_change_what_the_floor_bears() {
     // Rounding of a static solve.
     assert!((m.final_normal_force_n.unwrap() - 3.0 * G).abs() < 1e-12);
     assert!(m.energy_error_j.abs() < 1e-12, "{}", m.energy_error_j);
-    // The payload came with its potential energy: block and load together at 0.05 m and 0.15 m.
+    // The payload adds its potential energy: block and load together at 0.05 m and 0.15 m.
     assert!((m.external_work_j - 2.0 * G * 0.15).abs() < 1e-12, "{}", m.external_work_j);
     assert_eq!((m.state_changes, m.impacts), (0, 0));
     let more = "[[event]]\nat = 0.4\nset = { gravity = [0, 0, -5], \"robot.payload.0.mass\" = 3 }";
@@ -87,7 +88,7 @@ fn payload_and_gravity_change_what_the_floor_bears() {
 }
 
 #[test]
-fn gains_change_where_a_pendulum_comes_to_rest() {
+fn gains_change_the_equilibrium_of_a_pendulum() {
     // Mass 1 kg and half length 0.25 m each; angles from hanging straight down.
     let settle = |events: &str| {
         let mut sim = simulation(&format!(
@@ -110,21 +111,22 @@ fn gains_change_where_a_pendulum_comes_to_rest() {
     for (events, (kp_shoulder, kp_elbow)) in [
         ("", (40.0, 40.0)),
         ("[[event]]\nat = 10\nset = { \"robot.joint.shoulder.kp\" = 15 }", (15.0, 40.0)),
-        // One gain leaves the other as it is.
+        // Changing one gain keeps the other.
         ("[[event]]\nat = 10\nset = { \"robot.joint.shoulder.kd\" = 5 }", (40.0, 40.0)),
         ("[[event]]\nat = 10\nset = { \"robot.joint_default.kp\" = 20, \"robot.joint.elbow.kp\" = 9.5 }", (20.0, 9.5)),
     ] {
         let at = settle(events);
         let (shoulder, elbow) = load(at);
-        // Twenty seconds of the slowest mode, 6/9.5 s, leave e^-30; the integrator holds the rest to its tolerance.
+        // Twenty seconds of the slowest mode, 6/9.5 s, leave e^-30; the integrator's tolerance
+        // dominates.
         assert!((kp_shoulder * (1.0 - at.0) - shoulder).abs() < 1e-8, "{events}: {at:?}");
         assert!((kp_elbow * (0.5 - at.1) - elbow).abs() < 1e-8, "{events}: {at:?}");
     }
 }
 
 #[test]
-fn joint_friction_changes() {
-    // With gravity off a pendulum turns for ever, until its joint is damped.
+fn joint_friction_can_change() {
+    // With gravity off a pendulum rotates without end, until its joint is damped.
     let mut sim = simulation(
         "duration = 5\ngravity = [0, 0, 0]
         [robot]
@@ -135,16 +137,17 @@ fn joint_friction_changes() {
         [[event]]\nat = 1\nset = { \"robot.joint.shoulder.friction\" = { viscous = 0.1 } }",
     );
     finish(&mut sim, &mut NullObserver);
-    // Both bars turn as one: inertia 2 (I + m c^2) + m l^2 + 2 m l c about the shoulder, decay from t = 1.
+    // Both bars rotate as one: inertia 2 (I + m c^2) + m l^2 + 2 m l c about the shoulder, decay
+    // from t = 1.
     let inertia = 2.0 * (0.2504 / 12.0 + 0.0625) + 0.25 + 0.25;
-    let wanted = (-0.1 * 4.0f64 / inertia).exp();
+    let expected = (-0.1 * 4.0f64 / inertia).exp();
     let speed = sim.plant().state.v[0];
-    // The default tolerance of 1e-6, and an elbow that gives way while the shoulder slows down.
-    assert!((speed - wanted).abs() < 1e-4, "{speed} {wanted}");
+    // The default tolerance of 1e-6, and an elbow that yields while the shoulder slows down.
+    assert!((speed - expected).abs() < 1e-4, "{speed} {expected}");
 }
 
 #[test]
-fn a_force_changes_and_others_go_on() {
+fn a_force_changes_and_others_continue() {
     let text = format!(
         "duration = 1.0\nfloor = {{ friction = 0 }}\n{TIGHT}
         [robot]\n{BLOCK}
@@ -160,7 +163,7 @@ fn a_force_changes_and_others_go_on() {
 }
 
 #[test]
-fn a_flight_restored_is_flown_again_to_the_last_bit() {
+fn a_restored_flight_repeats_to_the_last_bit() {
     for integrator in [
         "{ relative_tolerance = 1e-8 }",
         "{ method = \"bs23\" }",
@@ -184,20 +187,22 @@ fn a_flight_restored_is_flown_again_to_the_last_bit() {
             let flight = |s: &State| (s.position, s.rotation, s.v.clone());
             assert_eq!(flight(&once), flight(&again), "{integrator}");
         }
-        // Steps of dopri5 all have the greatest length here, rounded by the time at which they begin. Those of bs23 are
-        // chosen by their errors and by the steps before, which were others: its tolerance per step is 1e-6 of 3 rad/s.
+        // All steps of dopri5 have the maximum length here, rounded by their start time. The errors
+        // and the preceding steps determine those of bs23, so they differ: its tolerance per step
+        // is 1e-6 of 3 rad/s.
         let bar = if integrator.contains("bs23") { 1e-6 } else { 1e-14 };
         let apart = (once.position - again.position).norm() + (once.rotation.coords - again.rotation.coords).norm();
         let faster = once.v.iter().zip(&again.v).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(apart < bar && faster < bar, "{integrator}: {apart:e} {faster:e}");
-        // A flight keeps its energy, so nothing is given back to it, but for what fixed steps of first order lose.
+        // A flight conserves its energy, except for the loss of first-order fixed steps.
         assert!(m.external_work_j.abs() < 0.1 && m.energy_error_j.abs() < 0.1, "{integrator}: {m:?}");
     }
 }
 
 #[test]
-fn a_new_payload_leaves_the_carried_object_where_it_is() {
-    // 1 kg of block, 0.5 kg of payload that becomes 1 kg while 0.25 kg are carried, and a force that follows them in the file.
+fn a_new_payload_does_not_move_the_carried_object() {
+    // 1 kg of block; 0.5 kg of payload that becomes 1 kg while 0.25 kg are carried; a force that
+    // follows them in the file.
     let text = |duration: f64| {
         format!(
             "duration = {duration}\n[robot]\n{BLOCK}\npayload = [{{ link = \"block\", mass = 0.5 }}]
@@ -217,7 +222,7 @@ fn a_new_payload_leaves_the_carried_object_where_it_is() {
 }
 
 #[test]
-fn a_slide_restored_slides_again() {
+fn a_restored_slide_slides_again() {
     let text = format!(
         "duration = 2.0\nfloor = {{ friction = 0.5 }}\n{TIGHT}
         [robot]\n{BLOCK}\nbase = {{ linear_velocity = [1, 0, 0] }}
@@ -234,8 +239,8 @@ fn a_slide_restored_slides_again() {
     let rest = 1.0 / (0.5 * G);
     // Event location at 1e-13 of a step, and speeds below 1e-10 m/s that count as rest.
     assert_eq!(sticks.len(), 3, "{sticks:?}");
-    for (found, wanted) in sticks.iter().zip([rest, 0.4 + rest, 1.5 + rest]) {
-        assert!((found - wanted).abs() < 1e-9, "{sticks:?}");
+    for (found, expected) in sticks.iter().zip([rest, 0.4 + rest, 1.5 + rest]) {
+        assert!((found - expected).abs() < 1e-9, "{sticks:?}");
     }
     assert_eq!((m.impacts, m.inconsistent), (0, 0));
     assert!(m.energy_error_j.abs() < 1e-9);
@@ -244,7 +249,7 @@ fn a_slide_restored_slides_again() {
 }
 
 #[test]
-fn events_at_the_start_hold_from_the_start() {
+fn events_at_the_start_apply_from_the_start() {
     let ice =
         |how: &str| run(&format!("duration = 0.5\n{TIGHT}\n[robot]\n{BLOCK}\nbase = {{ rpy = [0, 0.2, 0] }}\n{how}"));
     let from_start = ice("[floor]\nfriction = 0.1\nrpy = [0, 0.2, 0]");
@@ -253,9 +258,10 @@ fn events_at_the_start_hold_from_the_start() {
     assert!(from_start.final_base_shift_m > 0.1);
 }
 
-/// What slides when it is saved slides when it is restored, whatever came in between: standing, or sliding the other way.
+/// A sliding state restored slides again, whatever the state before the restore: standing, or
+/// sliding the other way.
 #[test]
-fn a_saved_slide_goes_on() {
+fn a_saved_slide_continues() {
     for how in [
         "contact = { method = \"one-step\" }\nintegrator = { method = \"semi-implicit\", step = 1e-3 }",
         "contact = { method = \"one-step\" }",
@@ -275,7 +281,8 @@ fn a_saved_slide_goes_on() {
             );
             let m = run(&text);
             let way = 2.0 * 2.0 / (2.0 * 0.5 * G);
-            // First order in steps of 1e-3 s at 2 m/s, or a stop decided a step late; else the integrator's tolerance.
+            // First order in steps of 1e-3 s at 2 m/s, or a stop decided a step late; otherwise the
+            // integrator's tolerance.
             let allowed = if how.contains("semi") || how.contains("one-step") { 2.5e-3 } else { 1e-6 };
             assert!((m.final_base_position[0] - way).abs() < allowed, "{how} {between}: {}", m.final_base_position[0]);
         }

@@ -1,6 +1,7 @@
 //! Bodies on any number of feet: three, four and six points (27, 81 and 729 states), lines.
 //!
-//! How redundant feet share a load is no physics of rigid bodies, so nothing is said about it; sums and motions are.
+//! Rigid-body physics does not determine how redundant feet share a load, so the tests compare only
+//! sums and motions.
 
 use super::body::G;
 use super::planar::on_feet;
@@ -37,7 +38,7 @@ fn go(soles: &str, base: &str, mu: &str, duration: f64, rest: &str) -> (Metrics,
     (m, recording)
 }
 
-/// Runs a case with its feet listed in several orders; all must end alike.
+/// Runs a case with its feet listed in several orders; all must end equally.
 fn in_any_order(feet: &[[f64; 2]], base: &str, mu: &str, duration: f64, rest: &str) -> (Metrics, Recording) {
     let [first, others @ ..] = orders(feet.len());
     let (m, recording) = go(&soles(feet, &first), base, mu, duration, rest);
@@ -45,7 +46,8 @@ fn in_any_order(feet: &[[f64; 2]], base: &str, mu: &str, duration: f64, rest: &s
         let (other, _) = go(&soles(feet, &order), base, mu, duration, rest);
         let pairs = m.final_base_position.iter().zip(other.final_base_position);
         for (a, b) in pairs.chain(m.final_base_rpy.iter().zip(other.final_base_rpy)) {
-            // The same equations in another order: rounding, grown over a second of motion and some events.
+            // The same equations in another order: rounding, amplified over a second of motion and
+            // some events.
             assert!((a - b).abs() < 1e-9, "{order:?} {a} {b}");
         }
     }
@@ -53,8 +55,8 @@ fn in_any_order(feet: &[[f64; 2]], base: &str, mu: &str, duration: f64, rest: &s
 }
 
 /// The floor's forces carry weight and moments at the end.
-fn carries(recording: &Recording, tangential: Vector3<f64>) {
-    let end = recording.snapshots.last().expect("the end is told");
+fn assert_carries(recording: &Recording, tangential: Vector3<f64>) {
+    let end = recording.snapshots.last().expect("the end is reported");
     let at = end.soles.iter().flat_map(|s| s.positions.iter().zip(&s.forces));
     let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
     for (p, f) in at {
@@ -68,31 +70,31 @@ fn carries(recording: &Recording, tangential: Vector3<f64>) {
 }
 
 #[test]
-fn they_stand_and_the_floor_carries_the_weight() {
+fn bodies_stand_and_the_floor_carries_the_weight() {
     for feet in [TRIPOD, QUADRUPED, HEXAPOD] {
         for base in ["", "rpy = [0, 0, 0.7]"] {
             let (m, recording) = in_any_order(feet, base, "0.5", 1.0, "");
             assert_eq!((m.state_changes, m.events), (0, 0));
             assert!(m.max_static_creep_m < 1e-12 && m.max_lift_m < 1e-12 && m.max_penetration_m < 1e-12);
-            carries(&recording, Vector3::zeros());
+            assert_carries(&recording, Vector3::zeros());
         }
     }
 }
 
 #[test]
-fn they_hold_a_push_that_every_split_can_carry() {
-    // A fifth of what friction carries.
+fn bodies_hold_a_push_that_every_load_distribution_can_carry() {
+    // A fifth of the friction limit.
     let push = "[[force]]\ntype = \"constant\"\nlink = \"block\"\npoint = [0, 0, -0.05]\nforce = [0.8, -0.6, 0]\n";
     for feet in [TRIPOD, QUADRUPED, HEXAPOD] {
         let (m, recording) = in_any_order(feet, "", "0.5", 1.0, push);
         assert_eq!((m.state_changes, m.first_slip_s), (0, None));
         assert!(m.max_static_creep_m < 1e-12);
-        carries(&recording, Vector3::new(-0.8, 0.6, 0.0));
+        assert_carries(&recording, Vector3::new(-0.8, 0.6, 0.0));
     }
 }
 
 #[test]
-fn they_slide_and_stop_after_the_closed_distance_for_any_heading() {
+fn bodies_slide_and_stop_after_the_closed_distance_for_any_heading() {
     for feet in [TRIPOD, QUADRUPED, HEXAPOD] {
         for (heading, speed, mu) in [(0.3f64, 1.0, 0.4), (2.0, 2.0, 0.5), (-1.2, 0.7, 0.1)] {
             let (s, c) = heading.sin_cos();
@@ -109,7 +111,7 @@ fn they_slide_and_stop_after_the_closed_distance_for_any_heading() {
 }
 
 #[test]
-fn shoved_beyond_friction_they_go_the_closed_distance() {
+fn bodies_pushed_beyond_friction_move_the_closed_distance() {
     let (force, mu, time) = (7.280_109_889_280_518, 0.4, 0.2);
     let push = "[[force]]\ntype = \"push\"\nlink = \"block\"\npoint = [0, 0, -0.05]\nforce = [7, 2, 0]
         start = 0.1\nduration = 0.2\n";
@@ -141,7 +143,7 @@ fn a_spinning_tripod_follows_the_quadrature() {
 }
 
 #[test]
-fn all_feet_land_at_once_and_slide_on() {
+fn all_feet_land_at_once_and_continue_sliding() {
     let fall = (2.0 * 0.1 / G).sqrt();
     for feet in [TRIPOD, QUADRUPED, HEXAPOD] {
         for speed in [0.0, 0.8] {
@@ -150,11 +152,12 @@ fn all_feet_land_at_once_and_slide_on() {
             assert_eq!(m.impacts, 1);
             assert!((m.first_touchdown_s.expect("it lands") - fall).abs() < 1e-10);
             assert!((m.final_base_position[2] - 0.05).abs() < 1e-10 && m.final_base_rpy[2].abs() < 1e-9);
-            // What the landing takes: friction of mu times the impulse m sqrt(2 g h), acting at the floor.
+            // Loss of the landing: friction of mu times the impulse m sqrt(2 g h), acting at the
+            // floor.
             let left = speed - 0.2 * (2.0 * G * 0.1).sqrt();
             let way = speed * fall + if speed > 0.0 { left * left / (2.0 * 0.2 * G) } else { 0.0 };
             assert!((m.final_base_position[0] - way).abs() < 1e-8, "{} {way}", m.final_base_position[0]);
-            carries(&recording, Vector3::zeros());
+            assert_carries(&recording, Vector3::zeros());
         }
     }
 }
@@ -180,7 +183,7 @@ fn one_foot_after_the_other_lands_and_energy_is_accounted_for() {
             // The integrator's tolerance on energies of a joule.
             assert!(m.energy_error_j.abs() < 1e-8, "{}", m.energy_error_j);
             assert!(m.impacts >= 3 && (m.final_base_position[2] - 0.05).abs() < 1e-9);
-            carries(&recording, Vector3::zeros());
+            assert_carries(&recording, Vector3::zeros());
             m
         };
         let m = drop(&first);
@@ -196,8 +199,8 @@ fn one_foot_after_the_other_lands_and_energy_is_accounted_for() {
 const LINE: &str = "[{ name = \"line\", link = \"block\", polygon = [[-0.1, 0, -0.05], [0.1, 0, -0.05]] }]";
 
 #[test]
-fn on_one_line_foot_it_falls_over_as_a_pendulum() {
-    // Started turning about the line at 0.3 rad/s; I = m (a^2 + c^2) / 3 + m c^2 about it.
+fn a_body_on_one_line_foot_falls_over_as_a_pendulum() {
+    // Starts rotating about the line at 0.3 rad/s; I = m (a^2 + c^2) / 3 + m c^2 about it.
     let (duration, c) = (0.4, 0.05);
     let base = format!("angular_velocity = [0.3, 0, 0], linear_velocity = [0, {}, 0]", -0.3 * c);
     let (m, recording) = go(LINE, &base, "3.0", duration, "");
@@ -205,12 +208,12 @@ fn on_one_line_foot_it_falls_over_as_a_pendulum() {
     let truth = rk4([0.0, 0.3], duration, 4000, |_, [phi, rate]: &[f64; 2]| [*rate, G * c * phi.sin() / inertia]);
     assert!((m.final_base_rpy[0] - truth[0]).abs() < 1e-8, "{} {truth:?}", m.final_base_rpy[0]);
     assert!(truth[0] > 0.3);
-    let end = recording.snapshots.last().expect("the end is told");
+    let end = recording.snapshots.last().expect("the end is reported");
     assert_eq!((end.soles[0].state.as_str(), m.state_changes), ("edge-0-static", 0));
 }
 
 #[test]
-fn on_one_line_foot_it_slides_along_its_line() {
+fn a_body_on_one_line_foot_slides_along_its_line() {
     let (m, _) = go(LINE, "linear_velocity = [1, 0, 0]", "0.3", 1.0, "");
     let way = 1.0 / (2.0 * 0.3 * G);
     assert!((m.final_base_position[0] / way - 1.0).abs() < 1e-8);
@@ -225,7 +228,7 @@ fn two_line_feet_stand_and_slide() {
     for list in [[line(-0.1), line(0.1)], [line(0.1), line(-0.1)]].map(|l| format!("[{}]", l.join(", "))) {
         let (m, recording) = go(&list, "", "0.5", 1.0, "");
         assert_eq!((m.state_changes, m.events), (0, 0));
-        carries(&recording, Vector3::zeros());
+        assert_carries(&recording, Vector3::zeros());
         let (m, _) = go(&list, "linear_velocity = [0.6, 0.8, 0]", "0.5", 1.0, "");
         let way = 1.0 / G;
         let [x, y, _] = m.final_base_position;
@@ -244,7 +247,7 @@ fn humanoid_soles(order: [&str; 2], first: usize) -> String {
 }
 
 #[test]
-fn a_humanoid_moves_the_same_whatever_the_order_of_its_soles_and_their_vertices() {
+fn the_order_of_soles_and_vertices_does_not_change_the_motion_of_a_humanoid() {
     for (force, changes) in [([0.0, 0.0, 0.0], false), ([20.0, 0.0, 0.0], true), ([0.0, 15.0, 0.0], true)] {
         let go = |soles: String| {
             let (m, _) = watch(&format!(
@@ -278,10 +281,10 @@ fn a_humanoid_moves_the_same_whatever_the_order_of_its_soles_and_their_vertices(
     }
 }
 
-/// A growing push at the floor, through the point under the mass, slips a body at mu_s m g whatever it stands on: its feet
-/// give way together.
+/// A growing push at the floor, through the point below the mass, slips a body at mu_s m g on any
+/// feet: all feet slip together.
 #[test]
-fn all_feet_give_way_together_in_every_direction() {
+fn all_feet_slip_together_in_every_direction() {
     for feet in [TRIPOD, QUADRUPED, HEXAPOD] {
         for k in 0..6 {
             let (y, x) = (0.3 + f64::from(k) * std::f64::consts::TAU / 6.0).sin_cos();

@@ -23,7 +23,7 @@ fn scenario(spin: [f64; 3], duration: f64) -> String {
 }
 
 #[test]
-fn the_centre_of_mass_flies_a_parabola_and_angular_momentum_stays() {
+fn the_centre_of_mass_follows_a_parabola_and_angular_momentum_is_conserved() {
     for spin in [[0.0, 0.0, 0.0], [0.5, -1.5, 2.0]] {
         let duration = 0.4;
         let mut sim = simulation(&scenario(spin, duration));
@@ -40,9 +40,9 @@ fn the_centre_of_mass_flies_a_parabola_and_angular_momentum_stays() {
         assert!((after.angular - before.angular).norm() < 1e-10 * size, "{}", (after.angular - before.angular).norm());
         let mass = sim.plant().model.mass();
         assert!((after.linear - before.linear - fall * (mass * duration)).norm() < 1e-10 * after.linear.norm());
-        // Energy against the work of the drives, an integral carried along with the state.
+        // Energy against the work of the drives, an integral computed along with the state.
         assert!(m.energy_error_j.abs() < 1e-9, "{}", m.energy_error_j);
-        // The drives did something.
+        // The drives did some work.
         assert!(sim.plant().state.joints.iter().zip(&sim.plant().model.home).any(|(q, home)| (q - home).abs() > 0.1));
     }
 }

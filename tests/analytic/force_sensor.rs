@@ -1,4 +1,4 @@
-//! Readings of a force-torque sensor that has a frame on the sole's link.
+//! Readings of a force-torque sensor with a frame on the sole's link.
 
 use super::body::{Body, G};
 use super::imu::with;
@@ -8,7 +8,8 @@ use nalgebra::{Rotation3, Vector3};
 const TURN: [f64; 3] = [0.4, -0.3, 1.1];
 const PLACE: Vector3<f64> = Vector3::new(0.03, -0.02, 0.04);
 
-/// What the sole of a box of 2 kg and half height 0.05 m reads that stands turned by `yaw`: force and moment.
+/// Force and moment readings on the sole of a resting box of 2 kg and half height 0.05 m, rotated
+/// by `yaw`.
 fn resting(yaw: f64, frame: bool, sensors: &str) -> (Vector3<f64>, Vector3<f64>) {
     let body = Body::new([0.1, 0.08, 0.05], 2.0);
     let urdf = body.floating("");
@@ -28,13 +29,13 @@ fn resting(yaw: f64, frame: bool, sensors: &str) -> (Vector3<f64>, Vector3<f64>)
     recording.snapshots.last().expect("the end").estimate.as_ref().expect("sensors err").soles[0]
 }
 
-fn assert_reads((force, moment): (Vector3<f64>, Vector3<f64>), wanted: (Vector3<f64>, Vector3<f64>)) {
+fn assert_reads((force, moment): (Vector3<f64>, Vector3<f64>), expected: (Vector3<f64>, Vector3<f64>)) {
     // Rounding of some 20 N; contact at rest holds it to 1e-9 of the weight.
-    assert!((force - wanted.0).norm() < 1e-7 && (moment - wanted.1).norm() < 1e-7, "{force} {moment} {wanted:?}");
+    assert!((force - expected.0).norm() < 1e-7 && (moment - expected.1).norm() < 1e-7, "{force} {moment} {expected:?}");
 }
 
 #[test]
-fn its_bias_turns_with_the_foot_and_acts_about_its_own_origin() {
+fn a_bias_rotates_with_the_foot_and_acts_about_the_sensor_origin() {
     let weight = Vector3::new(0.0, 0.0, 2.0 * G);
     let frame = Rotation3::from_euler_angles(TURN[0], TURN[1], TURN[2]);
     for yaw in [0.0, 0.7] {
@@ -42,11 +43,11 @@ fn its_bias_turns_with_the_foot_and_acts_about_its_own_origin() {
         // From its origin to the middle of the sole.
         let lever = Vector3::new(0.0, 0.0, -0.05) - PLACE;
         let off = foot * (frame * Vector3::repeat(0.5));
-        // Less force there makes less moment here.
+        // A smaller force at the sensor gives a smaller moment here.
         let turned = -(foot * lever).cross(&off);
         assert_reads(resting(yaw, true, "sole_force = { bias = 0.5 }"), (weight + off, turned));
         assert_reads(resting(yaw, true, "sole_moment = { bias = 0.5 }"), (weight, off));
-        // Without a frame of its own it reads in world axes about the middle of the sole.
+        // Without its own frame it reads in world axes about the middle of the sole.
         assert_reads(
             resting(yaw, false, "sole_force = { bias = 0.5 }"),
             (weight + Vector3::repeat(0.5), Vector3::zeros()),
@@ -55,7 +56,7 @@ fn its_bias_turns_with_the_foot_and_acts_about_its_own_origin() {
 }
 
 #[test]
-fn the_world_sees_it_by_the_measured_orientation() {
+fn world_readings_use_the_measured_orientation() {
     let tilt = 0.02;
     let sensors = format!("sole_force = {{ resolution = 1e-12 }}, orientation = {{ bias = [0, {tilt}, 0] }}");
     let weight = Vector3::new(0.0, 0.0, 2.0 * G);

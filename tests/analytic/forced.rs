@@ -1,4 +1,5 @@
-//! States imposed on a sole: held from and to their instants, whatever they cost, and the residuals say what that is.
+//! States imposed on a sole: they hold from and to their instants, and the residuals report the
+//! violations.
 
 use super::body::{Body, G};
 use super::support::watch;
@@ -17,7 +18,7 @@ fn imposed(state: &str, from: f64, to: f64, floor: &str, base: &str, duration: f
         acceleration_tolerance = 1e-8
         forced = [{{ sole = \"bottom\", state = \"{state}\", from = {from}, to = {to} }}]\n"
     ));
-    // What is imposed is nobody's failure to find a state.
+    // An imposed state does not count as a failed selection.
     assert_eq!((m.inconsistent, m.jams), (0, 0), "{state}");
     (m, recording.events)
 }
@@ -27,16 +28,16 @@ fn times(events: &[SimEvent], kind: &str) -> Vec<f64> {
 }
 
 #[test]
-fn a_face_held_on_ice_beyond_the_friction_angle_slides_from_the_instant_it_is_let_go() {
+fn a_face_held_on_ice_beyond_the_friction_angle_slides_from_its_release() {
     let (mu, angle) = (0.2, 20f64.to_radians());
     let slope = format!("friction = {mu}, rpy = [0, {angle}, 0]");
-    // To 0.437 s, which no step or tick would meet by itself.
+    // Until 0.437 s, which is not an end of a step or a tick.
     let (m, events) = imposed("face-static", 0.0, 0.437, &slope, &format!("rpy = [0, {angle}, 0]"), 1.0);
     let excess = G * (angle.sin() - mu * angle.cos());
     let way = 0.5 * excess * (1.0 - 0.437f64).powi(2);
     // A parabola, exact for the integrator; rounding.
     assert!((m.final_base_position[0] / angle.cos() - way).abs() < 1e-12, "{}", m.final_base_position[0]);
-    // While it was held, friction carried more than its law allows: 1 kg.
+    // During the imposed state, friction carried more than its law allows: 1 kg.
     assert!((m.max_cone_excess - excess).abs() < 1e-9, "{} {excess}", m.max_cone_excess);
     assert!(m.max_static_creep_m < 1e-12);
     assert_eq!((times(&events, "slip"), m.first_slip_s), (vec![0.437], Some(0.437)));
@@ -44,7 +45,7 @@ fn a_face_held_on_ice_beyond_the_friction_angle_slides_from_the_instant_it_is_le
 }
 
 #[test]
-fn a_sole_that_must_not_touch_falls_through_the_floor_and_is_caught_where_it_is_then() {
+fn a_sole_without_contact_falls_through_the_floor_and_stops_at_its_release() {
     let (m, events) = imposed("free", 0.2, 0.3, "friction = 0.5", "", 0.6);
     let depth = 0.5 * G * 0.1 * 0.1;
     assert!((m.max_penetration_m - depth).abs() < 1e-12, "{}", m.max_penetration_m);
@@ -55,18 +56,19 @@ fn a_sole_that_must_not_touch_falls_through_the_floor_and_is_caught_where_it_is_
 }
 
 #[test]
-fn what_cannot_be_is_done_all_the_same() {
-    // A face clamped a metre up in the air stops the fall there and then.
+fn impossible_states_are_imposed() {
+    // A face clamped a metre up in the air stops the fall at once.
     let (m, events) = imposed("face-static", 0.2, 0.3, "friction = 0.5", "position = [0, 0, 1.05]", 0.4);
     let (fallen, again) = (0.5 * G * 0.04, 0.5 * G * 0.01);
     assert!((m.final_base_position[2] - (1.05 - fallen - again)).abs() < 1e-12, "{}", m.final_base_position[2]);
     assert_eq!((times(&events, "touchdown"), times(&events, "liftoff")), (vec![0.2], vec![0.3]));
-    // A sliding block is nailed down, and stays so when it is let go.
+    // An imposed static state stops a sliding block, which stays at rest afterwards.
     let (m, events) = imposed("face-static", 0.2, 0.3, "friction = 0.2", "linear_velocity = [1, 0, 0]", 0.4);
     assert!((m.final_base_position[0] - (0.2 - 0.5 * 0.2 * G * 0.04)).abs() < 1e-12, "{}", m.final_base_position[0]);
     assert_eq!(times(&events, "stick"), [0.2]);
     assert!(m.energy_error_j.abs() < 1e-12);
-    // One edge alone cannot carry the block: it turns about it through the floor, as a pendulum does.
+    // One edge alone cannot carry the block: it rotates about it through the floor, as a pendulum
+    // does.
     let (m, _) = imposed("edge-0-static", 0.2, 0.25, "friction = 9.0", "", 0.25);
     let tilt = m.final_base_rpy[0].abs();
     let rate = m.max_penetration_m;
@@ -74,7 +76,7 @@ fn what_cannot_be_is_done_all_the_same() {
 }
 
 #[test]
-fn a_slide_that_is_imposed_has_kinetic_friction() {
+fn an_imposed_slide_has_kinetic_friction() {
     // Static friction would hold the push of 3 N; imposed sliding lets it win against the kinetic one.
     let text = "
         duration = 0.4
@@ -88,7 +90,7 @@ fn a_slide_that_is_imposed_has_kinetic_friction() {
         force = [3.0, 0.0, 0.0]\n";
     let (m, recording) = watch(text);
     let a = 3.0 - 0.1 * G;
-    // Once it moves it goes on by itself.
+    // Once it moves it continues without the imposed state.
     assert!(
         (m.final_base_position[0] - 0.5 * a * 0.09).abs() < 1e-10,
         "{} {}",
@@ -124,7 +126,7 @@ fn fixed_steps_hold_imposed_states_from_and_to_their_instants() {
 
 #[test]
 fn a_sole_or_a_state_that_does_not_exist_is_refused() {
-    for (sole, state, words) in
+    for (sole, state, message) in
         [("top", "free", "has no sole `top`"), ("bottom", "edge-4-static", "has no state `edge-4-static`")]
     {
         let text = format!(
@@ -134,12 +136,12 @@ fn a_sole_or_a_state_that_does_not_exist_is_refused() {
         let runs = scenario::parse(std::path::Path::new("t.toml"), &text).unwrap().expand(&[]).unwrap();
         let robot = stiction::robot::load(&super::support::root().join("robots/block/block.toml")).unwrap();
         let errors = stiction::assemble::setup(&runs[0], &robot).err().expect("refused").to_string();
-        assert!(errors.contains(words) && errors.contains("t.toml:2"), "{errors}");
+        assert!(errors.contains(message) && errors.contains("t.toml:2"), "{errors}");
     }
 }
 
 #[test]
-fn an_imposed_slide_brakes_with_one_step_as_well_whatever_the_integrator() {
+fn an_imposed_slide_decelerates_with_one_step_and_every_integrator() {
     let (mu, speed) = (0.5, 1.0);
     let stop = speed / (mu * G);
     for integrator in
@@ -153,7 +155,8 @@ fn an_imposed_slide_brakes_with_one_step_as_well_whatever_the_integrator() {
             contact = {{ method = \"one-step\", forced = [{{ sole = \"bottom\", state = \"face-dynamic\" }}] }}\n",
             2.0 * stop
         ));
-        // Directions are held for a step of 1 ms: it stops one late, or jitters within what friction changes in one.
+        // Directions are constant for a step of 1 ms: it stops one step late, or jitters within the
+        // friction impulse of one step.
         assert!(m.final_base_velocity[0].abs() <= 2.0 * mu * G * 1e-3, "{integrator} {:?}", m.final_base_velocity);
         let way = speed * speed / (2.0 * mu * G);
         assert!(

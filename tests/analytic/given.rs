@@ -1,4 +1,5 @@
-//! What a task is given while HOAP-2 stands: forces balance weight, points lie where they must.
+//! The context of a task while HOAP-2 stands: forces balance the weight, and points are inside the
+//! support polygon.
 
 use super::support::{finish, root};
 use nalgebra::Vector3;
@@ -8,13 +9,14 @@ use stiction::sim::{NullObserver, Simulation};
 use stiction::task::{Command, Context, Needs, Status, Task, TaskResult};
 use stiction::{robot, scenario};
 
-/// What a tick showed.
+/// Values recorded at a tick.
 #[derive(Clone, Default, Debug)]
 struct Seen {
     time: f64,
     /// Greatest imbalance of `g(q) - sum J^T f - (0, load)`, N or N m.
     imbalance: f64,
-    /// How far the zero-moment point and the point of optimal stability are outside the support polygon, m.
+    /// Distance of the zero-moment point and the point of optimal stability outside the support
+    /// polygon, m.
     outside: [f64; 2],
     contacts: usize,
     corners: usize,
@@ -104,27 +106,28 @@ const STANDS: &str = "duration = 6
     profile = \"half-sine\"";
 
 #[test]
-fn at_rest_contact_forces_and_servo_efforts_hold_the_weight() {
+fn at_rest_contact_forces_and_servo_efforts_balance_the_weight() {
     let seen = probe(STANDS, Needs::ALL);
     assert_eq!(seen[0].contacts, 0, "no forces are known at the first tick");
     let last = seen.last().unwrap();
     assert!(last.time > 5.9);
-    // The swing has died out to 1e-12 rad, times gains of 150 N m/rad.
+    // The swing has decayed to 1e-12 rad, times gains of 150 N m/rad.
     assert!(last.imbalance < 1e-9, "{last:?}");
-    // While it is pushed it is not in balance.
+    // During the push it is not in equilibrium.
     assert!(seen.iter().any(|s| s.imbalance > 1.0));
     assert_eq!((last.contacts, last.corners), (8, 4), "{last:?}");
     // Two soles side by side: the disc between heel and toe lines, 94 mm apart.
     assert!((last.radius - 0.047).abs() < 1e-9, "{last:?}");
     for s in seen.iter().filter(|s| s.corners > 2) {
-        // The floor only presses, so the zero-moment point stays inside, but for rounding; the other is far inside.
+        // The floor only presses, so the zero-moment point stays inside up to rounding; the other
+        // point is far inside.
         assert!(s.outside[0] < 1e-9 && s.outside[1] < -0.02, "{s:?}");
         assert!(s.com_rate < 1e-12, "{s:?}");
     }
 }
 
 #[test]
-fn what_is_not_asked_for_is_not_computed() {
+fn data_not_requested_are_not_computed() {
     let seen = probe(STANDS, Needs::COM | Needs::COM_JACOBIAN);
     assert!(seen.iter().all(|s| s.contacts == 0 && s.corners == 0 && s.com_rate < 1e-12));
     assert!(seen.iter().all(|s| s.outside[0].is_nan() && s.radius == 0.0));

@@ -1,5 +1,5 @@
-//! Hard cases of `contact.md` section 9 that have no row of their own: light links on heavy chains, unactuated joints,
-//! whole feet that land at once.
+//! Hard cases of `contact.md` section 9 without their own row: light links on heavy chains,
+//! unactuated joints, whole feet that land at once.
 
 use super::body::G;
 use super::support::{rk4, watch};
@@ -53,7 +53,7 @@ fn a_foot_of_ten_grams_carries_a_hundred_kilograms() {
     let stiff = "posture = { knee = 0.2, ankle = -0.2 }
         joint = { knee = { mode = \"position\", kp = 20000, kd = 800 }, ankle = { mode = \"position\", kp = 2000, kd = 100 } }";
     let m = go(HEAVY, stiff, "duration = 1.0\nfloor = { friction = 0.6 }");
-    // Static soles stay where they are; energies of 400 J at relative tolerance 1e-9.
+    // Static soles do not move; energies of 400 J at relative tolerance 1e-9.
     assert!(
         m.max_static_creep_m < 1e-9 && m.max_projection_m < 1e-9,
         "{} {}",
@@ -67,7 +67,7 @@ fn a_foot_of_ten_grams_carries_a_hundred_kilograms() {
 }
 
 #[test]
-fn with_a_loose_ankle_it_topples_and_energy_is_accounted_for() {
+fn with_a_loose_ankle_the_chain_topples_and_energy_balances() {
     let loose = "posture = { knee = 0.2, ankle = -0.2 }
         joint = { knee = { mode = \"position\", kp = 20000, kd = 800 }, ankle = { mode = \"passive\" } }";
     let m = go(HEAVY, loose, "duration = 0.5\nfloor = { friction = 0.6 }");
@@ -76,14 +76,14 @@ fn with_a_loose_ankle_it_topples_and_energy_is_accounted_for() {
 }
 
 #[test]
-fn a_pendulum_swings_on_a_sled_as_its_equations_say() {
-    // theta from the vertical, x of the sled; the hinge turns about +y, so theta = -q.
+fn a_pendulum_on_a_sled_obeys_its_equations_of_motion() {
+    // theta from the vertical, x of the sled; the hinge axis is +y, so theta = -q.
     let (m, total, l, inertia) = (0.5, 1.5, 0.3, 0.001 + 0.5 * 0.09);
     let duration = 1.0;
     let start = [0.5, 0.0];
     // Held by friction: a pendulum on a fixed hinge.
     let held = rk4(start, duration, 20_000, |_, [a, w]: &[f64; 2]| [*w, -m * G * l * a.sin() / inertia]);
-    // On ice the centre of mass stays: (M + m) x'' + m l (a'' cos a - a'^2 sin a) = 0.
+    // On ice the centre of mass does not move: (M + m) x'' + m l (a'' cos a - a'^2 sin a) = 0.
     let free = rk4(start, duration, 20_000, |_, [a, w]: &[f64; 2]| {
         let (s, c) = a.sin_cos();
         let coupling = m * l * c / total;
@@ -97,7 +97,7 @@ fn a_pendulum_swings_on_a_sled_as_its_equations_say() {
         assert!((end.final_base_position[0] - x).abs() < 1e-8, "{mu} {} {x}", end.final_base_position[0]);
         assert!(end.energy_error_j.abs() < 1e-8 && end.max_lift_m < 1e-9, "{mu} {}", end.energy_error_j);
     }
-    // Between the two it sticks and slides by turns.
+    // Between the two limits it alternates between sticking and sliding.
     let end = go(SLED, posture, &format!("duration = {duration}\nfloor = {{ friction = 0.1 }}"));
     assert!(end.first_slip_s.or(end.first_stick_s).is_some() && end.energy_error_j.abs() < 1e-8, "{end:?}");
 }
@@ -126,11 +126,11 @@ fn both_feet_of_a_humanoid_land_at_once() {
     }
 }
 
-/// HOAP-2 shoved so hard that it slides, rocks over corners, leaves the floor or falls: at every instant a contact state is
-/// found, friction stays in its cone and energy adds up.
+/// HOAP-2 is pushed so hard that it slides, rocks over corners, leaves the floor or falls. At every
+/// instant the selection finds a state, friction stays in its cone and energy adds up.
 #[test]
-fn a_state_is_found_for_a_humanoid_shoved_hard() {
-    // Those that fall are followed until the trunk is 0.2 m above the floor.
+fn a_state_is_found_for_a_humanoid_pushed_hard() {
+    // Runs of falling robots end when the trunk is 0.2 m above the floor.
     for (force, mu, duration) in [
         ("[60, 0, 0]", "0.1", 1.37),
         ("[0, 0, 100]", "0.4", 2.5),
@@ -146,15 +146,17 @@ fn a_state_is_found_for_a_humanoid_shoved_hard() {
             force = [{{ type = \"push\", link = \"torso\", point = [0, 0, 0.1], force = {force}, start = 1.0, duration = 0.1, profile = \"half-sine\" }}]"
         ));
         assert_eq!((m.inconsistent, m.jams), (0, 0), "{force} {mu}");
-        // Rounding of 70 N; the integrator's tolerance of 1e-6 on energies of a joule, and 1e-10 m under 70 N at events.
+        // Rounding of 70 N; the integrator's tolerance of 1e-6 on energies of a joule, and 1e-10 m
+        // under 70 N at events.
         assert!(m.max_cone_excess < 1e-9 && m.energy_error_j.abs() < 1e-7, "{force} {mu}: {m:?}");
     }
 }
 
-/// HOAP-2 in the last rockings of a landing. At 0.306 s a corner that carries 30 N slides at 1e-7 m/s, below which its
-/// direction is no longer followed, and turns by a radian while it does. It ended in `diverged`, the step collapsed.
+/// HOAP-2 in the last rockings of a landing. At 0.306 s a corner that carries 30 N slides at 1e-7
+/// m/s and rotates its slip direction by a radian. Below that speed the direction is frozen.
+/// Without this the step collapsed and the run ended in `diverged`.
 #[test]
-fn a_corner_that_crawls_round_comes_to_rest() {
+fn a_slowly_turning_corner_comes_to_rest() {
     let (m, _) = watch(
         "duration = 0.31
         robot = { model = \"robots/hoap2/hoap2.toml\", base = { position = [0, 0, 0.3065838], rpy = [\"2 deg\", \"3 deg\", 0] } }
@@ -171,9 +173,9 @@ fn a_corner_that_crawls_round_comes_to_rest() {
     assert_eq!((m.duration_s, m.inconsistent), (0.31, 0));
 }
 
-/// A quadruped that slides down a slope on four points. Where one stops, the equation of its direction is stiff: the steps
-/// followed it down to the speed of their own errors and wandered there, 90 million of them for one second, without an event.
-/// It takes 4700 for the whole run.
+/// A quadruped slides down a slope on four points. Where one stops, the equation of its slip
+/// direction is stiff. Steps that follow it down to their own errors wander there: 90 million steps
+/// for one second, without an event. The whole run takes 4700.
 #[test]
 fn a_point_whose_direction_is_stiff_comes_to_rest_in_few_steps() {
     let last = |tolerances: &str, method: &str| {
@@ -217,7 +219,8 @@ fn a_point_whose_direction_is_stiff_comes_to_rest_in_few_steps() {
         (m, recording.snapshots.last().expect("logged").base_pose.translation.vector)
     };
     let (_, truth) = last("relative_tolerance = 1e-11, absolute_tolerance = 1e-13", "dopri5");
-    // The relative tolerance times the way of 0.04 m. With 1e-4 an impact of 0.7 mm/s ends otherwise.
+    // The relative tolerance times the distance of 0.04 m. With 1e-4 an impact of 0.7 mm/s ends
+    // differently.
     for (tolerances, method, steps, off) in [
         ("relative_tolerance = 1e-4, absolute_tolerance = 1e-6", "dopri5", 2_500, 1e-2),
         ("relative_tolerance = 1e-6, absolute_tolerance = 1e-8", "dopri5", 7_000, 4e-8),
@@ -229,10 +232,11 @@ fn a_point_whose_direction_is_stiff_comes_to_rest_in_few_steps() {
     }
 }
 
-/// HOAP-2 comes down on a corner with tolerances of contact so loose that impacts are let pass, and with contact looked at in
-/// steps. Where no state is found, and where every step asks, the choice is not made over and over without getting on.
+/// HOAP-2 lands on a corner with contact tolerances so loose that impacts are skipped, and with
+/// contact decided per step. If no state is found, or every step selects again, the run must still
+/// make progress.
 #[test]
-fn a_landing_with_loose_tolerances_gets_on() {
+fn a_landing_with_loose_tolerances_makes_progress() {
     for contact in [
         "velocity_tolerance = 0.1, distance_tolerance = 1e-3, acceleration_tolerance = 1e-3",
         "velocity_tolerance = 0.03, distance_tolerance = 1e-5, acceleration_tolerance = 0.1, events = \"step\"",
@@ -248,10 +252,11 @@ fn a_landing_with_loose_tolerances_gets_on() {
     }
 }
 
-/// HOAP-2 is pushed and rocks on its soles. What is brought to rest on one foot throws a vertex of the other onto the floor at a
-/// tenth of a millimetre per second: that is an impact as well, and without it no state is valid.
+/// HOAP-2 is pushed and rocks on its soles. Stopping one foot moves a vertex of the other onto the
+/// floor at a tenth of a millimetre per second. That is an impact as well; without it no state is
+/// valid.
 #[test]
-fn what_settling_throws_onto_the_floor_strikes_it() {
+fn a_vertex_moved_onto_the_floor_by_a_stopping_foot_has_an_impact() {
     for (force, tolerance) in [("[20, 10, 0]", 1e-2), ("[21, 10, 0]", 3e-3)] {
         let (m, _) = watch(&format!(
             "duration = 0.6
@@ -266,7 +271,7 @@ fn what_settling_throws_onto_the_floor_strikes_it() {
             duration = 0.1
             profile = \"half-sine\"\n"
         ));
-        // A search that fails tries a thousand.
+        // A search that fails tries a thousand candidates.
         assert_eq!(m.inconsistent, 0, "{force} {tolerance}: {m:?}");
         assert!(m.impacts > 5 && m.states_tested_max < 500, "{force} {tolerance}: {m:?}");
     }

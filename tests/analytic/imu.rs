@@ -1,4 +1,4 @@
-//! Readings of an IMU that sits somewhere on the robot, and base estimators that are given it.
+//! Readings of an IMU at any pose on the robot, and base estimators that use it.
 
 use super::body::{Body, G};
 use super::support::{TIGHT, root, run, simulation, watch};
@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 pub const HOAP2: &str = "robots/hoap2/hoap2";
 
-/// A robot file over a URDF of the tree, with more lines at its end.
+/// A robot file for a URDF of the repository, with additional lines at its end.
 pub fn with(robot: &str, urdf: &str, more: &str) -> (TempDir, String) {
     let folder = TempDir::new().expect("a folder for the robot");
     let text = match robot {
@@ -25,7 +25,7 @@ pub fn with(robot: &str, urdf: &str, more: &str) -> (TempDir, String) {
     (folder, model)
 }
 
-/// A body alone in space with an IMU, `base` as in a scenario; the readings at the ticks.
+/// A free body with an IMU, `base` as in a scenario; returns the readings at the ticks.
 fn spinning(imu: &str, base: &str, more: &str) -> Vec<EstimateSnapshot> {
     let body = Body::new([0.12, 0.06, 0.03], 2.5);
     let urdf = body.floating("");
@@ -38,13 +38,13 @@ fn spinning(imu: &str, base: &str, more: &str) -> Vec<EstimateSnapshot> {
     );
     let recording = watch(&text).1.snapshots.into_iter().map(|s| s.estimate.expect("an IMU is named"));
     let readings: Vec<_> = recording.collect();
-    // The end of the run is no tick: the reading there is that of the tick before.
+    // The end of the run is no tick: its reading is that of the previous tick.
     assert_eq!(readings.len(), 51);
     readings[..50].to_vec()
 }
 
-/// Mean acceleration over the tick before `k` of a point at distance `r` along x on a body that turns about z by `angle(t)`
-/// at `rate(t)`, in axes half way between the two ticks.
+/// Mean acceleration over the tick before `k` of a point at distance `r` along x on a body that
+/// rotates about z by `angle(t)` at `rate(t)`, in axes half way between the two ticks.
 fn circling(r: f64, k: usize, angle: impl Fn(f64) -> f64, rate: impl Fn(f64) -> f64) -> Vector3<f64> {
     let (t, dt) = (k as f64 * 0.01, 0.01);
     let v = |t: f64| Vector3::new(-angle(t).sin(), angle(t).cos(), 0.0) * (r * rate(t));
@@ -53,7 +53,7 @@ fn circling(r: f64, k: usize, angle: impl Fn(f64) -> f64, rate: impl Fn(f64) -> 
 }
 
 #[test]
-fn off_the_axis_of_a_spin_it_feels_the_centripetal_acceleration() {
+fn off_the_axis_of_a_spin_it_reads_the_centripetal_acceleration() {
     let (r, w) = (0.1, 7.0);
     let readings = spinning(
         &format!("{{ name = \"chip\", link = \"block\", position = [{r}, 0, 0] }}"),
@@ -63,22 +63,24 @@ fn off_the_axis_of_a_spin_it_feels_the_centripetal_acceleration() {
     assert_eq!(readings[0].specific_force, Vector3::zeros(), "the first reading is one at rest");
     for (k, e) in readings.iter().enumerate().skip(1) {
         assert!((e.angular_velocity - Vector3::new(0.0, 0.0, w)).norm() < 1e-9, "{k} {}", e.angular_velocity);
-        // The mean of w^2 r over the arc of a tick: its chord is shorter than it by sin(x) / x, x half the arc.
+        // The mean of w^2 r over the arc of a tick: its chord is shorter by sin(x) / x, x half the
+        // arc.
         let half = 0.5 * w * 0.01;
         let truth = Vector3::new(-w * w * r * half.sin() / half, 0.0, 0.0);
-        // The same from the circle itself, and the reading of integration at 1e-11 divided by the tick.
+        // The same from the circle itself, and the reading of integration at 1e-11 divided by the
+        // tick.
         assert!((circling(r, k, |t| w * t, |_| w) - truth).norm() < 1e-12);
         assert!((e.specific_force - truth).norm() < 1e-8, "{k} {} {truth}", e.specific_force);
     }
 }
 
 #[test]
-fn on_a_body_that_spins_up_it_feels_the_tangential_acceleration_in_its_own_turned_axes() {
+fn on_an_accelerating_body_it_reads_the_tangential_acceleration_in_its_own_axes() {
     let (r, moment) = (0.1, 0.2);
     // Inertia about z of the body of `spinning`: m (a^2 + b^2) / 3.
     let alpha = moment / (2.5 * (0.12 * 0.12 + 0.06 * 0.06) / 3.0);
     let readings = spinning(
-        // Turned by a right angle about x: its y is the body's z, its z the body's -y.
+        // Rotated by a right angle about x: its y is the body's z, its z the body's -y.
         &format!("{{ name = \"chip\", link = \"block\", position = [{r}, 0, 0], rpy = [\"90 deg\", 0, 0] }}"),
         "",
         &format!("force = [{{ type = \"constant\", link = \"block\", moment = [0.0, 0.0, {moment}] }}]"),
@@ -107,7 +109,8 @@ fn on_a_moved_link_it_reads_that_links_motion() {
         [robot]\nmodel = {model}\nsoles = []\njoint_default = {{ mode = \"passive\" }}
         posture = {{ shoulder = 0.5, elbow = -1.0 }}\nvelocity = {{ shoulder = 1.0, elbow = 4.0 }}\n"
     ));
-    // Both bars turn about y: a point l below a joint at angle a moves by l a' (-cos a, 0, sin a).
+    // Both bars rotate about y: a point l below a joint at angle a moves by l a' (-cos a, 0, sin
+    // a).
     let velocity = |s: &stiction::sim::Snapshot| {
         let ([a, b], [p, q]) = ([s.q[0], s.q[0] + s.q[1]], [s.qd[0], s.qd[0] + s.qd[1]]);
         let bar = |l: f64, a: f64, rate: f64| Vector3::new(-a.cos(), 0.0, a.sin()) * (l * rate);
@@ -125,8 +128,8 @@ fn on_a_moved_link_it_reads_that_links_motion() {
         let middle = Rotation3::from_euler_angles(0.0, 0.5 * (a + b), 0.0);
         let mean = (velocity(now) - velocity(before)) / (now.time - before.time);
         let truth = middle.inverse() * (mean + Vector3::new(0.0, 0.0, G));
-        // The orientation half way between ticks: the sine of an arc x comes from 1 - cos^2, good to 1e-16 / x^2, 2e-9 at
-        // worst. It turns some 50 m/s^2.
+        // The orientation half way between ticks: the sine of an arc x comes from 1 - cos^2, good
+        // to 1e-16 / x^2, 2e-9 at worst. It rotates some 50 m/s^2.
         assert!((e.specific_force - truth).norm() < 2e-7, "{} {} {truth}", now.time, e.specific_force);
         assert!((e.angular_velocity - Vector3::new(0.0, now.qd[0] + now.qd[1], 0.0)).norm() < 1e-13);
         assert!(e.orientation.angle_to(&nalgebra::UnitQuaternion::from_euler_angles(0.0, b, 0.0)) < 1e-7);
@@ -134,7 +137,7 @@ fn on_a_moved_link_it_reads_that_links_motion() {
 }
 
 #[test]
-fn integrating_from_a_displaced_and_turned_imu_is_of_second_order() {
+fn integrating_from_a_displaced_and_rotated_imu_is_of_second_order() {
     let body = Body::new([0.12, 0.06, 0.03], 2.5);
     let urdf = body.floating("");
     let imu =
@@ -155,7 +158,7 @@ fn integrating_from_a_displaced_and_turned_imu_is_of_second_order() {
     assert!((way / fine_way - 4.0).abs() < 0.3, "{way} {fine_way}");
 }
 
-/// HOAP-2 bends its knees, and its waist and head besides, with an IMU in the head.
+/// HOAP-2 bends its knees, its waist and its head, with an IMU in the head.
 fn nodding(imu: &str, more: &str) -> stiction::sim::Metrics {
     let (_folder, model) = with(&format!("{HOAP2}.toml"), &format!("{HOAP2}.urdf"), imu);
     let text = fs::read_to_string(root().join("scenarios/knee-bend.toml")).expect("it is there");
@@ -171,15 +174,16 @@ pub const HEAD: &str =
     "[sensors]\nimu = [{ name = \"head\", link = \"head\", position = [0.03, 0.01, 0.05], rpy = [0.3, -0.2, 1.0] }]";
 
 #[test]
-fn the_chain_from_the_head_to_static_soles_is_followed_to_rounding() {
+fn the_chain_from_the_head_to_static_soles_is_exact_to_rounding() {
     let m = nodding(HEAD, "[control]\nestimator = \"kinematic\"");
-    // Static soles are held where they are but for drift that is projected out, 1e-10 m.
+    // Static soles keep their position except for drift that is projected out, 1e-10 m.
     assert!(m.max_estimate_error_m.unwrap() < 1e-9, "{:?}", m.max_estimate_error_m);
-    // Turning along the chain and back: rounding of a dozen products.
+    // Rotation along the chain and back: rounding of a dozen products.
     assert!(m.max_estimate_error_rad.unwrap() < 1e-14, "{:?}", m.max_estimate_error_rad);
 }
 
-/// Two bodies on a free joint, thrown up; the root is the heavier one, the IMU sits on the other.
+/// Two bodies on a free joint, thrown upwards; the root is the heavier one, the IMU is on the
+/// other.
 fn thrown(rate: f64, source: &str) -> stiction::sim::Metrics {
     let inertial = |m: f64, [xx, yy, zz]: [f64; 3]| {
         format!(
@@ -208,7 +212,7 @@ fn thrown(rate: f64, source: &str) -> stiction::sim::Metrics {
 }
 
 #[test]
-fn integrating_from_an_imu_on_a_moving_link_puts_the_base_there_in_second_order() {
+fn integrating_from_an_imu_on_a_moving_link_locates_the_base_in_second_order() {
     for source in ["accelerometer", "soles"] {
         let error = |rate: f64| {
             let m = thrown(rate, source);
@@ -223,9 +227,9 @@ fn integrating_from_an_imu_on_a_moving_link_puts_the_base_there_in_second_order(
 }
 
 #[test]
-fn an_encoder_that_is_off_between_imu_and_base_turns_the_base_by_as_much() {
-    // The pelvis hangs below the torso, the root, on the waist joint; every joint reads too much by the bias, but only the
-    // waist lies between.
+fn an_encoder_bias_between_imu_and_base_rotates_the_base_by_the_bias() {
+    // The pelvis hangs below the torso, the root, on the waist joint. Every joint reads too much by
+    // the bias, but only the waist is between them.
     let imu = "[sensors]\nimu = [{ name = \"pelvis\", link = \"pelvis\" }]";
     let bias = 0.01;
     let m =
@@ -236,7 +240,7 @@ fn an_encoder_that_is_off_between_imu_and_base_turns_the_base_by_as_much() {
 }
 
 #[test]
-fn the_first_imu_is_read_unless_another_is_named_and_one_at_the_base_is_the_base() {
+fn the_first_imu_is_the_default_and_one_at_the_base_equals_the_base() {
     let two = "[sensors]\nimu = [{ name = \"base\", link = \"torso\" }, { name = \"head\", link = \"head\" }]";
     let (_folder, model) = with(&format!("{HOAP2}.toml"), &format!("{HOAP2}.urdf"), two);
     let text = |robot: &str, sensors: &str| {
@@ -245,7 +249,7 @@ fn the_first_imu_is_read_unless_another_is_named_and_one_at_the_base_is_the_base
         )
     };
     let last = |text: &str| watch(text).1.snapshots.pop().expect("the end").estimate.expect("sensors are named");
-    // A bias of nothing: the table is there, the readings are true.
+    // A zero bias: the table is present, and the readings are exact.
     let first = last(&text(&model, "gyroscope = { resolution = 1e-30 }"));
     let named = last(&text(&model, "imu = \"base\""));
     let none = last(&text(&format!("\"{HOAP2}.toml\""), "gyroscope = { resolution = 1e-30 }"));
@@ -258,7 +262,7 @@ fn the_first_imu_is_read_unless_another_is_named_and_one_at_the_base_is_the_base
 }
 
 #[test]
-fn an_unknown_imu_is_an_error_at_its_place() {
+fn an_unknown_imu_is_an_error_with_its_position() {
     let fault = |robot: &str, name: &str| {
         let text = format!("robot = {{ model = {robot} }}\nsensors = {{ imu = \"{name}\" }}\n");
         let file = stiction::scenario::parse(&root().join("test.toml"), &text).unwrap();
@@ -275,7 +279,7 @@ fn an_unknown_imu_is_an_error_at_its_place() {
 }
 
 #[test]
-fn a_moved_imu_says_so_to_scripts() {
+fn scripts_read_the_rate_of_a_moved_imu() {
     let imu = "[sensors]\nimu = [{ name = \"tip\", link = \"lower\", rpy = [0, 0, 0] }]";
     let (folder, model) = with("", "robots/pendulum/pendulum.urdf", imu);
     // The script ends the run with an error unless it reads the rate of the second bar.

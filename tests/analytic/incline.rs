@@ -1,4 +1,5 @@
-//! A block on a slope holds below the friction angle and slides with `g (sin - mu cos)` above it, whatever the heading.
+//! A block on a slope holds below the friction angle and slides with `g (sin - mu cos)` above it,
+//! for any heading.
 
 use super::body::{Body, G};
 use super::support::{TIGHT, rk4, run, simulation, watch};
@@ -30,15 +31,15 @@ fn moved(body: &Body, angle: f64, position: [f64; 3]) -> Vector3<f64> {
 }
 
 #[test]
-fn holds_below_the_friction_angle_for_every_heading() {
+fn a_block_holds_below_the_friction_angle_for_every_heading() {
     for (body, mu) in Body::several().into_iter().zip([0.5, 0.1, 0.6, 0.3]) {
         for k in 0..12 {
-            // 99.9 % of the friction angle, with kinetic friction that would never hold.
+            // 99.9 % of the static friction angle, where kinetic friction could not hold the block.
             let angle = 0.999 * f64::atan(mu);
             let slope = slope(angle, 0.05 + k as f64 * std::f64::consts::TAU / 12.0);
             let friction = format!("{{ static = {mu}, kinetic = {} }}", 0.5 * mu);
             let m = run(&scenario(&body, &slope, &friction, 1.0));
-            // A static sole keeps its place to rounding.
+            // A static sole keeps its position to rounding.
             assert!(moved(&body, angle, m.final_base_position).norm() < 1e-12, "{:?}", m.final_base_position);
             assert_eq!((m.first_slip_s, m.inconsistent, m.state_changes), (None, 0, 0));
         }
@@ -46,7 +47,7 @@ fn holds_below_the_friction_angle_for_every_heading() {
 }
 
 #[test]
-fn slides_above_the_friction_angle_for_every_heading() {
+fn a_block_slides_above_the_friction_angle_for_every_heading() {
     for (body, mu) in Body::several().into_iter().zip([0.5, 0.1, 0.6, 0.3]) {
         for k in 0..12 {
             for (beyond, duration) in [(1.001, 1.0), (1.2, 0.5)] {
@@ -55,8 +56,8 @@ fn slides_above_the_friction_angle_for_every_heading() {
                 let m = run(&scenario(&body, &slope, &mu.to_string(), duration));
                 let way = 0.5 * G * (angle.sin() - mu * angle.cos()) * duration * duration;
                 let moved = moved(&body, angle, m.final_base_position);
-                // A parabola, exact for the integrator: what is left is rounding of forces, 1e-15 of g t^2 / 2, times the
-                // cancellation between weight and friction.
+                // A parabola, exact for the integrator. The error is rounding of forces, 1e-15 of g
+                // t^2 / 2, times the cancellation between weight and friction.
                 assert!((moved - slope.downhill * way).norm() < 1e-12, "{moved} {way} {}", slope.downhill);
                 assert_eq!(m.inconsistent, 0);
             }
@@ -65,7 +66,7 @@ fn slides_above_the_friction_angle_for_every_heading() {
 }
 
 #[test]
-fn without_friction_it_slides_with_g_sin_for_every_heading() {
+fn without_friction_a_block_slides_with_g_sin_for_every_heading() {
     for body in Body::several() {
         for k in 0..12 {
             let (angle, duration) = (0.05 + 0.1 * k as f64, 0.5);
@@ -82,7 +83,7 @@ fn without_friction_it_slides_with_g_sin_for_every_heading() {
 }
 
 #[test]
-fn with_friction_of_1000_it_tips_where_it_is_steep_and_never_slides() {
+fn with_friction_of_1000_a_block_tips_on_a_steep_slope_and_never_slides() {
     for half in [[0.05, 0.08, 0.1], [0.1, 0.05, 0.15], [0.1, 0.1, 0.05]] {
         let body = Body::new(half, 1.3);
         let [a, _, c] = half;
@@ -91,7 +92,7 @@ fn with_friction_of_1000_it_tips_where_it_is_steep_and_never_slides() {
             for (part, tips) in [(0.999, false), (1.001, true), (1.1, true)] {
                 let angle = part * (a / c).atan();
                 let slope = slope(angle, heading);
-                // The body's x axis points downhill, whatever way the slope is turned.
+                // The body's x axis points downhill, for any heading of the slope.
                 let turned = Rotation3::from_euler_angles(slope.rpy[0], slope.rpy[1], slope.rpy[2]);
                 let base = turned * Rotation3::from_axis_angle(&Vector3::z_axis(), heading);
                 let (roll, pitch, turn) = base.euler_angles();
@@ -102,7 +103,7 @@ fn with_friction_of_1000_it_tips_where_it_is_steep_and_never_slides() {
                     body.robot(&format!("rpy = [{roll}, {pitch}, {turn}]"))
                 ));
                 assert_eq!((m.inconsistent, m.first_slip_s, m.jams), (0, None, 0));
-                let state = &recording.snapshots.last().expect("the end is told").soles[0].state;
+                let state = &recording.snapshots.last().expect("the end is reported").soles[0].state;
                 // The tilt about the lower edge from the slope.
                 let [roll, pitch, turn] = m.final_base_rpy;
                 let change = (base.inverse() * Rotation3::from_euler_angles(roll, pitch, turn)).into_inner();
@@ -127,7 +128,7 @@ fn with_friction_of_1000_it_tips_where_it_is_steep_and_never_slides() {
 }
 
 #[test]
-fn a_body_left_upright_above_a_slope_starts_with_its_lowest_corner_on_it_and_ends_flat() {
+fn an_upright_body_on_a_slope_starts_on_its_lowest_corner_and_ends_flat() {
     let body = Body::new([0.1, 0.1, 0.05], 1.0);
     for heading in [0.2, 1.2, 2.2, 4.2, 5.2, 7.2] {
         let angle = 0.3;
@@ -141,11 +142,12 @@ fn a_body_left_upright_above_a_slope_starts_with_its_lowest_corner_on_it_and_end
         let lowest = start.plant().floor.height(&start.plant().state.position);
         let reach =
             (body.corners().iter()).map(|[x, y]| slope.downhill.x * x + slope.downhill.y * y).fold(0.0, f64::max);
-        // The centre is half a height above the corners, and the lowest of these lies furthest uphill.
+        // The centre is half a height above the corners, and the lowest of these is furthest
+        // uphill.
         let truth = 0.05 * angle.cos() + reach / angle.cos() * angle.sin();
         assert!((lowest - truth).abs() < 1e-12, "{lowest} {truth}");
         let (m, recording) = watch(&text);
-        let end = recording.snapshots.last().expect("the end is told");
+        let end = recording.snapshots.last().expect("the end is reported");
         assert_eq!(end.soles[0].state, "face-static");
         let normal = end.base_pose.rotation * Vector3::z();
         let plane = Rotation3::from_euler_angles(slope.rpy[0], slope.rpy[1], slope.rpy[2]) * Vector3::z();

@@ -1,10 +1,11 @@
-//! Loads that jump: the state gives way at the instant of the jump, not at the end of the step that follows.
+//! Load jumps: the contact state changes at the instant of the jump, not at the end of the
+//! following step.
 
 use super::body::G;
 use super::support::{TIGHT, run, watch};
 
 #[test]
-fn a_push_that_is_there_at_once_slips_the_block_at_once() {
+fn a_sudden_push_slips_the_block_at_once() {
     for (start, duration, mu, force) in [(0.2, 0.5, 0.2, 3.0), (0.1234567, 0.3, 0.05, 2.0), (0.0, 0.4, 0.4, 5.0)] {
         let m = run(&format!(
             "duration = 3.0
@@ -45,13 +46,13 @@ fn a_lift_that_ends_drops_the_block_at_once() {
         start = 0.1
         duration = 0.2\n"
     ));
-    // Up with 12 N - m g for 0.2 s, then a throw.
+    // Upwards with 12 N - m g for 0.2 s, then free flight.
     let (a, t) = (12.0 - G, 0.2);
     let (h, v) = (0.5 * a * t * t, a * t);
     let lands = 0.3 + (v + (v * v + 2.0 * G * h).sqrt()) / G;
     assert_eq!(m.first_liftoff_s, Some(0.1));
     assert!((m.first_touchdown_s.expect("it lands") - lands).abs() < 1e-10, "{:?} {lands}", m.first_touchdown_s);
     assert_eq!((recording.events[0].kind.as_str(), recording.events[0].time, m.inconsistent), ("liftoff", 0.1, 0));
-    // Balanced to rounding where it is pushed along the floor's normal by less than its weight.
+    // In equilibrium to rounding while pushed along the floor's normal by less than its weight.
     assert!((m.final_base_position[2] - 0.05).abs() < 1e-10);
 }

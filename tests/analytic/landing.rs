@@ -1,4 +1,4 @@
-//! Flat landings: when, with what loss, and what the floor's friction does to a body that lands moving sideways.
+//! Flat landings: instant, loss, and floor friction on a body that lands while moving sideways.
 
 use super::body::{Body, G};
 use super::support::{TIGHT, run, watch};
@@ -20,12 +20,13 @@ fn a_dropped_body_lands_in_time_loses_its_height_and_rests() {
         // Rounding of positions, 1e-16 m, over the speed of landing; the location itself is good to 1e-13 of a step.
         assert!((touch / fall - 1.0).abs() < 1e-12, "{touch} {fall}");
         assert_eq!((m.impacts, m.inconsistent, m.jams), (1, 0, 0));
-        let impact = recording.events.iter().find(|e| e.kind == "impact").expect("it is told");
+        let impact = recording.events.iter().find(|e| e.kind == "impact").expect("it is reported");
         let loss: f64 =
             impact.message.split("lost ").nth(1).and_then(|s| s.split(' ').next()).unwrap().parse().unwrap();
         // The message has seven digits.
         assert!((loss / (body.mass * G * height) - 1.0).abs() < 1e-6, "{loss}");
-        // Energy of start and end are known exactly; the loss is counted as it happens. Integration at 1e-9.
+        // Energy of start and end are known exactly; the loss is accumulated during the run.
+        // Integration at 1e-9.
         assert!(m.energy_error_j.abs() < 1e-9 * body.mass * G * height, "{}", m.energy_error_j);
         assert!((m.final_base_position[2] - body.half[2]).abs() < 1e-12, "rests on the floor");
         assert!(m.final_base_velocity.iter().all(|v| v.abs() < 1e-12), "rests");
@@ -34,7 +35,7 @@ fn a_dropped_body_lands_in_time_loses_its_height_and_rests() {
 }
 
 #[test]
-fn landing_sideways_takes_mu_times_the_normal_impulse_from_the_slip() {
+fn landing_sideways_reduces_the_slip_by_mu_times_the_normal_impulse() {
     let height = 0.1;
     let fall = (2.0 * height / G).sqrt();
     for (body, mu) in Body::several().into_iter().zip([0.3, 0.5, 0.2, 0.4]) {
@@ -73,7 +74,7 @@ fn bounces_reach_the_heights_of_the_restitution_and_end() {
             speed *= e;
             truth.push(truth.last().unwrap() + 2.0 * speed / G);
         }
-        // One more hop, too slow to bounce when it ends.
+        // One more hop, which ends too slow to bounce.
         let end = truth.last().unwrap() + 2.0 * e * speed / G;
         let text = format!(
             "duration = {}\n{}
@@ -97,7 +98,8 @@ fn bounces_reach_the_heights_of_the_restitution_and_end() {
 
 #[test]
 fn fixed_steps_find_a_state_for_every_tilted_landing() {
-    // Corners that come down in one step stop three of a face at once, and with them the fourth, which was leaving.
+    // Corners that land in one step stop three of a face at once, and with them the fourth, which
+    // was leaving.
     let mut number = 1u64;
     let mut draw = |size: f64| {
         number = number.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -120,7 +122,7 @@ fn fixed_steps_find_a_state_for_every_tilted_landing() {
             // Of several hundred N s / s at an impact.
             assert!(exact.max_cone_excess < 1e-6, "{mu} {rpy:?} {spin:?}: {}", exact.max_cone_excess);
             if mu == 0.0 {
-                // Nothing turns a frictionless slide, whatever strikes when.
+                // Nothing deflects a frictionless slide, whichever corner lands when.
                 for m in [&exact, &ncp] {
                     assert!(
                         (m.final_com_velocity[0] - 1.0).abs() < 1e-12 && (m.final_com_velocity[1] - 0.3).abs() < 1e-12

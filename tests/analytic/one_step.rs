@@ -1,9 +1,9 @@
-//! The one-step method against the exact one, through slipping, tipping and rocking.
+//! The one-step method against the exact one, through slip, tipping and rocking.
 
 use super::support::run;
 use stiction::sim::Metrics;
 
-/// HOAP-2 pushed forwards and sideways: both feet turn on the floor, tip and come down again.
+/// HOAP-2 pushed forwards and sideways: both feet rotate on the floor, tip and land again.
 fn pushed(method: &str, step: f64) -> Metrics {
     run(&format!(
         "duration = 0.6
@@ -22,15 +22,15 @@ fn pushed(method: &str, step: f64) -> Metrics {
 }
 
 #[test]
-fn it_follows_the_exact_method_through_a_push() {
+fn one_step_follows_the_exact_method_through_a_push() {
     let step = 1e-4;
     let (exact, fast) = (pushed("exact", step), pushed("one-step", step));
-    // It decides by the last load, so what it does it does a step late. The right foot tips over its edge first and slips in
-    // the same step: that makes two.
+    // It decides by the last load, so it reacts a step late. The right foot tips over its edge
+    // first and slips in the same step, which makes two.
     let late = fast.first_slip_s.expect("it slips") - exact.first_slip_s.expect("it slips");
     assert!((1.5 * step..2.5 * step).contains(&late), "{late}");
-    // How far the robot has turned is what its slips and pivots add up to. The feet that come down pull for a step, which
-    // loses some of it: 2 % were measured.
+    // The rotation of the robot is the sum of its slips and pivots. The landing feet pull for a
+    // step, which loses some of it: 2 % were measured.
     let (turn, truth) = (fast.final_base_rpy[2], exact.final_base_rpy[2]);
     assert!(truth > 5e-3 && (turn / truth - 1.0).abs() < 0.05, "{turn} {truth}");
     // One candidate a selection, never a search.

@@ -1,11 +1,12 @@
-//! Integrators converge with their orders: on smooth motion of robots, and through a landing, because events are located.
+//! Integrators converge with their orders: on smooth motion, and through a landing, because events
+//! are located.
 
 use super::body::{Body, G};
 use super::support::{finish, run, simulation};
 use stiction::sim::{Metrics, NullObserver};
 
-/// Integrator tables for steps of `h`, each with its order; controlled ones with tolerances that nothing reaches. Their
-/// first steps are shorter, as they begin with 1 ms.
+/// Integrator tables for steps of `h`, each with its order; adaptive ones have tolerances that are
+/// never active. Their first steps are shorter, as they begin with 1 ms.
 fn integrators(h: f64) -> [(String, f64); 4] {
     let loose = "relative_tolerance = 1e6, absolute_tolerance = 1e6";
     [
@@ -32,7 +33,7 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Observed orders of the integrators between steps of `h` and `h / 2`, less their own.
+/// Observed orders of the integrators between steps of `h` and `h / 2`, minus their nominal orders.
 fn excess(scenario: &str, steps: [f64; 4]) -> [f64; 4] {
     let truth = end(scenario, REFERENCE).0;
     std::array::from_fn(|i| {
@@ -57,7 +58,8 @@ fn a_double_pendulum_converges_with_the_order_of_its_integrator() {
         velocity = { shoulder = 1.0, elbow = -0.5 }\n",
         [0.01, 0.01, 4e-3, 1e-3],
     );
-    // The next order, at some 0.1 to 0.2 rad a step; controlled steps begin shorter, at most by two of fifty.
+    // The next order, at some 0.1 to 0.2 rad a step; adaptive runs begin with shorter steps, at
+    // most two of fifty.
     assert!(found.iter().all(|x| x.abs() < 0.3), "{found:?}");
 }
 
@@ -71,9 +73,10 @@ fn a_humanoid_in_flight_converges_with_the_order_of_its_integrator() {
         velocity = { left_knee = 0.2, right_shoulder_pitch = -0.3 }\n",
         [2e-3, 1e-3, 1e-3, 2e-4],
     );
-    // No drive is at its limit, where its effort would have a kink. Servos make rates of some 300 1/s, so the next order is a
-    // tenth to a third; for `dopri5`, whose steps cannot be shorter or rounding would show, two thirds: what it takes of
-    // the next order makes it fall faster, not slower.
+    // No drive is at its limit, where its effort would have a kink. Servos make rates of some 300
+    // 1/s, so the next order contributes a tenth to a third. For `dopri5` it contributes two
+    // thirds, and the error then falls faster. Its steps cannot be shorter, or rounding would
+    // dominate.
     assert!(found[1..].iter().all(|x| x.abs() < 0.3) && (-0.3..1.0).contains(&found[0]), "{found:?}");
 }
 
@@ -89,14 +92,15 @@ fn a_landing_on_a_corner_converges_with_the_order_of_its_integrator() {
     let (_, m) = end(&scenario, REFERENCE);
     assert_eq!((m.impacts, m.state_changes, m.inconsistent), (1, 1, 0), "{m:?}");
     let found = excess(&scenario, [0.01, 0.01, 0.01, 2e-4]);
-    // Flight and swing about the corner turn by 0.05 rad a step. The velocity-level step meets the floor anywhere within a
-    // step, so its error goes up and down with where: nothing is asked of it here.
+    // Flight and swing about the corner rotate by 0.05 rad a step. The velocity-level step meets
+    // the floor anywhere within a step, so its error fluctuates, and the test does not check it.
     assert!(found[..3].iter().all(|x| x.abs() < 0.5), "{found:?}");
 }
 
 #[test]
-fn a_slide_ends_where_it_must_with_every_integrator_that_locates_events() {
-    // Constant deceleration is exact for all of them, so what is left is the location of the stop.
+fn a_slide_has_the_exact_length_with_every_integrator_that_locates_events() {
+    // Constant deceleration is exact for all of them, so the error is that of the location of the
+    // stop.
     for (integrator, _) in &integrators(7e-3)[..3] {
         let m = run(&format!(
             "duration = 1.0\nrobot = {{ model = \"robots/block/block.toml\", base = {{ linear_velocity = [2, 0, 0] }} }}\n\
@@ -111,8 +115,9 @@ fn a_slide_ends_where_it_must_with_every_integrator_that_locates_events() {
 }
 
 #[test]
-fn an_unstable_step_is_found_out() {
-    // The spring of the end stop swings at sqrt(k / I), far beyond 2.8 / h; the run ends by what it does, not by hanging.
+fn an_unstable_step_size_is_detected() {
+    // The spring of the end stop oscillates at sqrt(k / I), far beyond 2.8 / h. The run must end
+    // with an error instead of hanging.
     let mut sim = simulation(
         "duration = 10.0\nrobot = { model = \"robots/hoap2/hoap2.toml\" }\ncontact = { method = \"penalty\", \
          penalty = { stiffness = 1e9 } }\nintegrator = { method = \"rk4\", step = 0.02 }\nlog = { rate = 0 }\n",

@@ -1,5 +1,5 @@
-//! Tests Painleve's rod: a slender rod (2 l = 1 m, 1 kg) slides on its lower end, its centre behind
-//! the tip.
+//! Painleve's rod: a slender rod (2 l = 1 m, 1 kg) slides on its lower end, its centre behind the
+//! tip.
 //!
 //! With theta its angle to the floor, v > 0 the speed of the tip away from below the centre and w =
 //! theta', friction pushes the tip towards the centre. `N`, with `I = m l^2 / 3` about the centre
@@ -10,10 +10,10 @@
 //! N = m (g - l w^2 sin) / (1 + 3 cos^2 - 3 mu sin cos)
 //! ```
 //!
-//! No finite force exists where mu exceeds `mu_c = (1 + 3 cos^2) / (3 sin cos)`, least 4/3 at tan
+//! No finite force exists if mu exceeds `mu_c = (1 + 3 cos^2) / (3 sin cos)`, least 4/3 at tan
 //! theta = 2. Beyond, with w^2 small, the tip jams (its slip ends in no time). Angular momentum
-//! about it is conserved, `(4/3) m l^2 w+ = (4/3) m l^2 w + m l v sin`, so
-//! `w+ = w + 3 v sin / (4 l)`, and the energy lost is `m v^2 (1 + 3 cos^2) / 8`.
+//! about it is conserved, `(4/3) m l^2 w+ = (4/3) m l^2 w + m l v sin`, so `w+ = w + 3 v sin / (4
+//! l)`, and the energy lost is `m v^2 (1 + 3 cos^2) / 8`.
 
 use super::body::{Body, G};
 use super::support::{Recording, TIGHT, finish, rk4, simulation};
@@ -52,7 +52,7 @@ impl Start {
         self.simulation_aside(duration, 0.0)
     }
 
-    /// The same with the tip's velocity turned by `aside` about the vertical.
+    /// The same with the tip's velocity rotated by `aside` about the vertical.
     fn simulation_aside(&self, duration: f64, aside: f64) -> Simulation {
         let (forward, axis) = self.axes();
         let (s, c) = self.theta.sin_cos();
@@ -147,7 +147,7 @@ fn the_jam_begins_at_the_critical_friction() {
 }
 
 #[test]
-fn a_jam_keeps_angular_momentum_about_the_tip() {
+fn a_jam_conserves_angular_momentum_about_the_tip() {
     for theta in [0.6, 1.1, 1.3] {
         for factor in [1.000_001, 1.1, 3.0] {
             for (heading, w) in HEADINGS.into_iter().zip([0.0, 1.5, -2.0, 0.5, 3.0]) {
@@ -179,7 +179,7 @@ fn a_jam_keeps_angular_momentum_about_the_tip() {
 }
 
 #[test]
-fn fast_turning_lifts_off_where_sliding_is_also_possible() {
+fn fast_rotation_lifts_off_where_sliding_is_also_possible() {
     for heading in HEADINGS {
         // l w^2 sin > g beyond the critical friction: the state is indeterminate, and lift-off
         // clamps less.
@@ -296,7 +296,7 @@ fn sliding_towards_the_limit_ends_as_the_rods_equations_predict() {
             assert_eq!(sim.metrics().jams, u64::from(kind == "jam"));
             // Integration at 1e-9 of speeds of up to 10 m/s, 1e-8 m/s a second; slips end and loads
             // vanish at some m/s^2. At the singular point the force is a root in time, which
-            // magnifies the errors of the last steps.
+            // amplifies the errors of the last steps.
             let bar = if kind == "jam" { 1e-6 } else { 1e-7 };
             assert!((first.time - t).abs() < bar, "{start:?} {} {t}", first.time);
             assert!(

@@ -1,4 +1,5 @@
-//! Which method runs with which integrator: every cell of the table runs, or is refused where it stands.
+//! Combinations of methods and integrators: each cell of the table runs, or is refused with its
+//! position.
 
 use super::support::root;
 use std::sync::atomic::AtomicBool;
@@ -9,7 +10,7 @@ use stiction::sim::{NullObserver, Outcome, Simulation};
 const METHODS: [&str; 5] = ["exact", "one-step", "penalty", "lcp", "ncp"];
 const INTEGRATORS: [&str; 4] = ["dopri5", "bs23", "rk4", "semi-implicit"];
 
-/// A block that slides, with these lines in `[contact]`; the method stands in line 4.
+/// A sliding block with these lines in `[contact]`; the method is in line 4.
 fn attempt(method: &str, integrator: &str, contact: &str) -> Result<Simulation, String> {
     let text = format!(
         "duration = 0.1\nlog = {{ rate = 0 }}\n[contact]\nmethod = \"{method}\"\n{contact}\n[integrator]\n\
@@ -26,18 +27,18 @@ fn attempt(method: &str, integrator: &str, contact: &str) -> Result<Simulation, 
 fn every_method_runs_with_the_integrators_of_the_table_and_no_other() {
     for method in METHODS {
         for integrator in INTEGRATORS {
-            let wanted = !matches!(method, "lcp" | "ncp") || integrator == "semi-implicit";
+            let compatible = !matches!(method, "lcp" | "ncp") || integrator == "semi-implicit";
             match attempt(method, integrator, "") {
                 Ok(mut sim) => {
-                    assert!(wanted, "{method} with {integrator} is not refused");
+                    assert!(compatible, "{method} with {integrator} is not refused");
                     let (outcome, message) = sim.run(&mut NullObserver, &AtomicBool::new(false));
                     assert_eq!(outcome, Outcome::Passed, "{method} with {integrator}: {message}");
-                    // It slides on at mu g, 0.6 by default, as far as a step of 10 ms tells.
+                    // It slides with mu g, 0.6 by default, to the accuracy of a step of 10 ms.
                     let speed = sim.metrics().final_base_velocity[0];
                     assert!((speed - (1.0 - 0.6 * 9.81 * 0.1)).abs() < 0.01, "{method} with {integrator}: {speed}");
                 }
                 Err(error) => {
-                    assert!(!wanted, "{error}");
+                    assert!(!compatible, "{error}");
                     let names = [format!("`contact.method` = \"{method}\""), format!("\"{integrator}\"")];
                     assert!(names.iter().all(|n| error.contains(n)) && error.contains("test.toml:4:10"), "{error}");
                     assert!(error.contains("set `integrator.method` = \"semi-implicit\""), "{error}");
@@ -48,7 +49,7 @@ fn every_method_runs_with_the_integrators_of_the_table_and_no_other() {
 }
 
 #[test]
-fn restitution_and_imposed_states_are_refused_where_they_do_nothing() {
+fn restitution_and_imposed_states_are_refused_where_they_have_no_effect() {
     let forced = "forced = [{ sole = \"bottom\", state = \"face-dynamic\", to = 0.05 }]";
     for method in METHODS {
         for integrator in INTEGRATORS {
@@ -57,16 +58,17 @@ fn restitution_and_imposed_states_are_refused_where_they_do_nothing() {
             }
             let bounces = method == "exact" && integrator != "semi-implicit";
             let takes_states = matches!(method, "exact" | "one-step");
-            for (line, key, wanted) in [("restitution = 0.5", "restitution", bounces), (forced, "forced", takes_states)]
+            for (line, key, accepted) in
+                [("restitution = 0.5", "restitution", bounces), (forced, "forced", takes_states)]
             {
                 match attempt(method, integrator, line) {
                     Ok(mut sim) => {
-                        assert!(wanted, "{method} with {integrator} takes {key}");
+                        assert!(accepted, "{method} with {integrator} takes {key}");
                         assert_eq!(sim.run(&mut NullObserver, &AtomicBool::new(false)).0, Outcome::Passed);
                     }
                     Err(error) => {
                         let says = format!("`contact.{key}` does not work with `contact.method` = \"{method}\"");
-                        assert!(!wanted && error.contains(&says) && error.contains("test.toml:5:"), "{error}");
+                        assert!(!accepted && error.contains(&says) && error.contains("test.toml:5:"), "{error}");
                     }
                 }
             }

@@ -1,4 +1,5 @@
-//! Patches of other friction: what slides over their borders changes its friction there and nowhere else.
+//! Patches of different friction: a vertex that crosses a border changes its friction at the border
+//! and nowhere else.
 
 use super::body::{Body, G};
 use super::planar::{corners, derivative_on};
@@ -8,7 +9,8 @@ use stiction::assemble;
 use stiction::robot;
 use stiction::scenario;
 
-/// A patch that begins across a heading after `distance` and does not end within reach; its border is `skew` off square.
+/// A patch that begins across a heading after `distance` and has no end within reach; its border is
+/// `skew` from perpendicular.
 fn ahead(heading: f64, distance: f64, skew: f64) -> [[f64; 2]; 4] {
     let turned = |x: f64, y: f64| {
         let (s, c) = heading.sin_cos();
@@ -45,8 +47,9 @@ fn point_foot(floor: &str, velocity: [f64; 2], rpy: [f64; 3]) -> String {
     )
 }
 
-// In all of these an event is located to 1e-13 of a step of 0.01 s and a border is left 1e-12 m beyond itself, which a
-// speed of 0.1 m/s makes 1e-11 s; distances of some 0.1 m and the integrator's 1e-9 leave a margin of ten to these bars.
+// Each event is located to 1e-13 of a step of 0.01 s. A border is left 1e-12 m beyond itself, which
+// at 0.1 m/s takes 1e-11 s. With distances of some 0.1 m and the integrator's 1e-9, these
+// tolerances have a margin of ten.
 const RELATIVE: f64 = 1e-8;
 
 #[test]
@@ -80,8 +83,9 @@ fn a_mass_point_stops_after_the_closed_distance_for_every_heading_and_skew() {
 }
 
 #[test]
-fn the_later_of_two_patches_counts_and_a_narrow_strip_is_not_stepped_over() {
-    // Floor to 0.2, first patch to 0.5 but for a strip of 2 mm of the second, then floor again. A step at 2 m/s is 20 mm.
+fn the_later_of_two_patches_applies_and_no_step_skips_a_narrow_strip() {
+    // Floor to 0.2, first patch to 0.5 except for a strip of 2 mm of the second, then floor again.
+    // A step at 2 m/s is 20 mm.
     let (mu, speed) = ([0.3, 0.1, 0.9], 2.0);
     let floor = format!(
         "friction = {}
@@ -100,12 +104,12 @@ fn the_later_of_two_patches_counts_and_a_narrow_strip_is_not_stepped_over() {
 }
 
 #[test]
-fn on_a_slope_a_patch_is_where_it_is_seen_from_above() {
+fn on_a_slope_a_patch_is_defined_by_its_vertical_projection() {
     for (rpy, heading) in [([0.3, 0.0, 0.0], 0.7), ([-0.2, 0.25, 1.0], 2.0), ([0.0, -0.4, 2.0], -1.0)] {
         let tilt = Rotation3::from_euler_angles(rpy[0], rpy[1], rpy[2]);
         let g = tilt.inverse() * Vector3::new(0.0, 0.0, -G);
         let (speed, mu) = (1.0, [0.1, 0.02]);
-        // Along the line of steepest descent the point stays on it.
+        // On the line of steepest descent the point stays on it.
         let (d, down) = (0.2, Vector2::new(g.x, g.y));
         let along = down.normalize();
         let seen = (tilt * Vector3::new(along.x, along.y, 0.0)).xy();
@@ -128,7 +132,7 @@ fn on_a_slope_a_patch_is_where_it_is_seen_from_above() {
 }
 
 #[test]
-fn a_block_slides_on_with_its_front_edge_first() {
+fn a_block_slides_onto_a_patch_with_its_front_edge_first() {
     for (body, mu) in [
         (Body::new([0.1, 0.1, 0.05], 1.0), [0.5, 0.2]),
         (Body::new([0.12, 0.06, 0.03], 2.5), [0.1, 0.8]),
@@ -180,7 +184,7 @@ fn a_block_slides_on_with_its_front_edge_first() {
 }
 
 #[test]
-fn a_block_half_on_ice_turns_as_the_quadrature_says() {
+fn a_block_half_on_ice_rotates_as_the_quadrature_predicts() {
     for (body, velocity, spin, mu) in [
         (Body::new([0.1, 0.1, 0.05], 1.0), [2.0, 0.0], 0.0, [0.4, 0.05]),
         (Body::new([0.12, 0.06, 0.03], 2.5), [1.5, 0.3], 2.0, [0.2, 0.5]),
@@ -201,7 +205,7 @@ fn a_block_half_on_ice_turns_as_the_quadrature_says() {
         );
         let heights = |s: &[f64; 6]| corners(&body, s[2]).map(|r| s[1] + r.y - border);
         let start = [0.0, 0.0, yaw, velocity[0], velocity[1], spin];
-        // Runge-Kutta with the friction of each corner held, up to where the first corner changes sides.
+        // Runge-Kutta with constant friction at each corner, until the first corner changes sides.
         let (mut at, mut t, mut crossings) = (start, 0.0_f64, 0);
         let mut ice = heights(&at).map(|h| h > 0.0);
         while t < duration {
@@ -236,8 +240,9 @@ fn a_block_half_on_ice_turns_as_the_quadrature_says() {
 }
 
 #[test]
-fn a_vertex_that_slides_along_a_border_makes_no_events() {
-    // Two corners run exactly along the border of a patch that is as rough as the floor: nothing turns the block away.
+fn a_vertex_that_slides_along_a_border_causes_no_events() {
+    // Two corners move exactly along the border of a patch that is as rough as the floor: nothing
+    // deflects the block.
     let text = |mu: f64| {
         format!(
             "duration = 1.0
@@ -248,7 +253,8 @@ fn a_vertex_that_slides_along_a_border_makes_no_events() {
     let (m, recording) = watch(&text(0.5));
     assert!((m.final_base_position[0] - 4.0 / G).abs() < 1e-9);
     assert_eq!(recording.events.iter().filter(|e| e.kind == "border").count(), 0);
-    // Rougher or smoother, the border is the patch's: the block turns as it must, and each corner leaves it once at most.
+    // If the patch is rougher or smoother, its friction applies on the border: the block rotates,
+    // and each corner leaves the border once at most.
     for mu in [0.1, 0.9] {
         let (m, recording) = watch(&text(mu));
         let borders = recording.events.iter().filter(|e| e.kind == "border").count();
@@ -259,9 +265,10 @@ fn a_vertex_that_slides_along_a_border_makes_no_events() {
 }
 
 #[test]
-fn friction_that_draws_a_foot_to_a_border_from_both_sides_keeps_it_there_with_finitely_many_events() {
-    // The left foot slides along the border between rough floor and ice. On the floor its friction turns the body so
-    // that this foot, ahead of the mass, goes outwards onto the ice; there the right foot's friction turns it back.
+fn a_foot_held_on_a_border_by_friction_causes_finitely_many_events() {
+    // The left foot slides along the border between rough floor and ice. On the floor its friction
+    // rotates the body so that this foot, ahead of the mass, moves outwards onto the ice. There the
+    // right foot's friction rotates it back.
     let [floor, ice, right] = [0.8, 0.1, 0.4];
     let m = run(&format!(
         "duration = 1.0
@@ -280,14 +287,15 @@ fn friction_that_draws_a_foot_to_a_border_from_both_sides_keeps_it_there_with_fi
         ]
 "
     ));
-    // On the border the left foot's mean friction must balance the right one's: no turn. With N at both front feet and T
-    // at the tail: 2 N + T = m g and 0.05 (2 N) - 0.1 T = 0.05 (2 N right + T floor).
+    // On the border the left foot's mean friction must balance the right one's: no rotation. With N
+    // at both front feet and T at the tail: 2 N + T = m g and 0.05 (2 N) - 0.1 T = 0.05 (2 N right
+    // + T floor).
     let ratio = (0.05 - 0.05 * right) / (0.1 + 0.05 * floor);
     let slows = G * (right + ratio * floor) / (1.0 + ratio);
     println!("{} {} {m:?}", m.final_base_position[0], 2.0 / slows);
-    // A border that did not widen would be crossed more than 3000 times.
+    // Without hysteresis the foot would cross the border more than 3000 times.
     assert!(m.events > 10 && m.events < 300, "{}", m.events);
-    // The foot strays a micrometre from the border, and turns the body by some 1e-5.
+    // The foot deviates a micrometre from the border, and rotates the body by some 1e-5.
     assert!(m.final_base_rpy[2].abs() < 1e-4, "{}", m.final_base_rpy[2]);
     assert!(
         (m.final_base_position[0] / (2.0 / slows) - 1.0).abs() < 1e-3,
@@ -297,7 +305,7 @@ fn friction_that_draws_a_foot_to_a_border_from_both_sides_keeps_it_there_with_fi
 }
 
 #[test]
-fn fixed_steps_look_friction_up_at_each_step() {
+fn fixed_steps_evaluate_friction_at_each_step() {
     let floor = "friction = 0.5\npatches = [{ polygon = [[0.3, -1], [3, -1], [3, 1], [0.3, 1]], friction = 0.25 }]";
     let exact = 0.3 + (4.0 - 2.0 * 0.5 * G * 0.3) / (2.0 * 0.25 * G);
     for method in ["exact", "one-step"] {
@@ -307,15 +315,17 @@ fn fixed_steps_look_friction_up_at_each_step() {
                 .replace("[contact]", &format!("[contact]\nmethod = \"{method}\""));
             (run(&text).final_base_position[0] - exact).abs()
         };
-        // Each step moves with the velocity at its end, v dt / 2 short in all, which before the border costs mu1 / mu2 of
-        // it; the border takes effect up to a step late, (mu1 - mu2) g dt of speed for v_b / (mu2 g) s to come.
+        // Each step moves with the velocity at its end, v dt / 2 short in all, which before the
+        // border costs mu1 / mu2 of it. The border takes effect up to a step late, (mu1 - mu2) g dt
+        // of speed for the remaining v_b / (mu2 g) s.
         let at_border = (4.0 - 2.0 * 0.5 * G * 0.3).sqrt();
         let bound = 2.0 * 0.5 * (2.0 - at_border) + 0.5 * at_border + at_border;
         for step in [1e-3, 2e-4] {
             assert!(error(step) < bound * step + 1e-6 && error(step) > 0.2 * step, "{method} {step} {}", error(step));
         }
     }
-    // Dormand-Prince without located events: friction changes at the ends of steps of up to a millisecond.
+    // Dormand-Prince without located events: friction changes at the ends of steps of up to a
+    // millisecond.
     for (key, value) in [("method", "one-step"), ("events", "step")] {
         let text = point_foot(floor, [2.0, 0.0], [0.0; 3])
             .replace("[integrator]", "[integrator]\nmax_step = 1e-3")
@@ -326,18 +336,18 @@ fn fixed_steps_look_friction_up_at_each_step() {
 }
 
 #[test]
-fn a_floor_that_stands_upright_has_no_patches() {
+fn a_vertical_floor_has_no_patches() {
     let text = "robot = { model = \"robots/block/block.toml\" }
         floor = { rpy = [\"90 deg\", 0, 0], patches = [{ polygon = [[0, 0], [1, 0], [1, 1]], friction = 0.1 }] }\n";
     let file = scenario::parse(std::path::Path::new("test.toml"), text).expect("its values are sound");
     let runs = file.expand(&[]).expect("one run");
     let robot = robot::load(&super::support::root().join("robots/block/block.toml")).expect("the block");
     let errors = assemble::setup(&runs[0], &robot).err().expect("it is refused").to_string();
-    assert!(errors.contains("seen from above") && errors.contains("test.toml:2"), "{errors}");
+    assert!(errors.contains("are projected vertically") && errors.contains("test.toml:2"), "{errors}");
 }
 
 #[test]
-fn vertices_start_in_the_zone_they_stand_in() {
+fn vertices_start_in_the_friction_region_below_them() {
     let sim = |x: f64| {
         let text = format!(
             "robot = {{ model = \"robots/block/block.toml\", base = {{ position = [{x}, 0.0, 0.05] }} }}

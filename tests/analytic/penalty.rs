@@ -1,5 +1,5 @@
-//! The penalty method against what its own equations say, and against `exact` as its springs stiffen and its slip velocity
-//! falls.
+//! The penalty method against its own equations, and against `exact` as its springs stiffen and its
+//! slip velocity decreases.
 
 use super::body::{Body, G};
 use super::support::{finish, run, simulation, watch};
@@ -8,7 +8,7 @@ use stiction::sim::{Metrics, NullObserver};
 
 const FINE: &str = "relative_tolerance = 1e-10, absolute_tolerance = 1e-12";
 
-/// The tree's block size, 1.3 kg, on four vertices.
+/// The size of the repository's block, 1.3 kg, on four vertices.
 fn block() -> Body {
     Body::new([0.1, 0.08, 0.05], 1.3)
 }
@@ -32,7 +32,7 @@ fn springs(k: f64, c: f64, s: f64) -> String {
 }
 
 #[test]
-fn a_body_at_rest_sinks_by_its_weight_over_its_springs() {
+fn a_body_at_rest_deflects_its_springs_by_its_weight() {
     let body = block();
     for integrator in [FINE, "method = \"semi-implicit\", step = 1e-3"] {
         for k in [1e3, 1e4, 1e5, 1e6] {
@@ -41,7 +41,7 @@ fn a_body_at_rest_sinks_by_its_weight_over_its_springs() {
             let m = run(&scenario(&body, "", 1.0, &springs(k, c, 1e-3), integrator));
             let depth = body.mass * G / (4.0 * k);
             let sunk = body.half[2] - m.final_base_position[2];
-            // What is left of settling, and rounding of a height of 0.05 m: 1e-17 / 3e-6 m.
+            // The rest of the transient, and rounding of a height of 0.05 m: 1e-17 / 3e-6 m.
             assert!((sunk / depth - 1.0).abs() < 1e-9, "{integrator} {k}: {sunk} {depth}");
             assert!(m.max_penetration_m >= sunk && m.max_penetration_m < 1.1 * depth, "{m:?}");
             assert_eq!((m.max_tension_n, m.max_cone_excess, m.impacts), (0.0, 0.0, 0));
@@ -50,7 +50,7 @@ fn a_body_at_rest_sinks_by_its_weight_over_its_springs() {
 }
 
 #[test]
-fn it_settles_as_a_damped_oscillator() {
+fn a_body_settles_as_a_damped_oscillator() {
     // z'' + 2 b z' + w^2 z = -g from the floor at rest, with b = n c / 2 m and w^2 = n k / m.
     let (body, k, c) = (block(), 2e4, 20.0);
     let (w2, b) = (4.0 * k / body.mass, 2.0 * c / body.mass);
@@ -67,8 +67,8 @@ fn it_settles_as_a_damped_oscillator() {
 }
 
 #[test]
-fn without_damping_a_fall_comes_back_to_its_height() {
-    // In the air for 2 sqrt(2 h / g), in the floor for 2 (pi - atan(w v / g)) / w.
+fn without_damping_a_body_bounces_back_to_its_height() {
+    // In the air for 2 sqrt(2 h / g), in contact for 2 (pi - atan(w v / g)) / w.
     let (body, k, h) = (block(), 1e4, 0.01);
     let w = (4.0 * k / body.mass).sqrt();
     let v = (2.0 * G * h).sqrt();
@@ -79,16 +79,17 @@ fn without_damping_a_fall_comes_back_to_its_height() {
     assert!((m.final_base_position[2] - body.half[2] - h).abs() < 1e-10, "{m:?}");
     assert!(m.final_base_velocity[2].abs() < 1e-8, "{m:?}");
     assert!(m.max_energy_error_j < 1e-9 && m.impact_loss_j.abs() < 1e-9, "{m:?}");
-    // It leaves the floor and meets it at six instants, and the springs are released without a trace.
+    // It leaves the floor and touches it at six instants, and the released springs store no energy.
     assert_eq!((m.state_changes, m.max_tension_n), (6, 0.0));
     let deepest = G / (w * w) + (v * v / (w * w) + (G / (w * w)).powi(2)).sqrt();
-    // Seen at the ends of steps, which fall up to a tenth of a radian beside the deepest point.
+    // Sampled at the ends of steps, which are up to a tenth of a radian from the deepest point.
     assert!(m.max_penetration_m <= deepest * (1.0 + 1e-9) && m.max_penetration_m > 0.99 * deepest, "{m:?}");
 }
 
 #[test]
-fn what_should_stick_creeps_in_proportion_to_the_slip_velocity() {
-    // tan(angle) = mu v / sqrt(v^2 + s^2): v = s r / sqrt(1 - r^2) with r the part of the cone in use.
+fn a_sticking_body_creeps_in_proportion_to_the_slip_velocity() {
+    // tan(angle) = mu v / sqrt(v^2 + s^2): v = s r / sqrt(1 - r^2) with r the used fraction of the
+    // cone.
     let (body, mu) = (block(), 0.6_f64);
     for integrator in [FINE, "method = \"semi-implicit\", step = 1e-3"] {
         for s in [1e-2, 1e-3, 1e-4] {
@@ -102,9 +103,9 @@ fn what_should_stick_creeps_in_proportion_to_the_slip_velocity() {
                 let m = run(&text);
                 let [x, _, z] = m.final_base_velocity;
                 let speed = x.hypot(z);
-                // What is left of settling after 0.5 s, and tolerances of 1e-12 m/s.
+                // The rest of the transient after 0.5 s, and tolerances of 1e-12 m/s.
                 assert!((speed / creep - 1.0).abs() < 1e-7, "{integrator} {s} {r}: {speed} {creep}");
-                // It is said to stick below the slip velocity, and the residuals show that it does not.
+                // The state is sticking below the slip velocity, and the residuals show the creep.
                 let sticks = creep < s;
                 let shown = m.max_creep_speed_m_per_s;
                 assert_eq!(shown >= creep * (1.0 - 1e-7), sticks, "{shown} {creep}");
@@ -115,13 +116,14 @@ fn what_should_stick_creeps_in_proportion_to_the_slip_velocity() {
     }
 }
 
-/// Way of a point that slides from v and never quite stops: x'' = -mu g x' / sqrt(x'^2 + s^2).
+/// Distance of a point that slides from v and approaches rest asymptotically: x'' = -mu g x' /
+/// sqrt(x'^2 + s^2).
 fn way(v: f64, mu: f64, s: f64) -> f64 {
     (v * v.hypot(s) + s * s * (v / s).asinh()) / (2.0 * mu * G)
 }
 
 #[test]
-fn a_slide_nears_the_exact_one_as_the_springs_stiffen_and_the_slip_velocity_falls() {
+fn a_slide_converges_to_the_exact_one_with_stiffness_and_slip_velocity() {
     let (body, mu, v) = (block(), 0.5, 1.0);
     let exact = v * v / (2.0 * mu * G);
     let slide = |k: f64, s: f64, integrator: &str| {
@@ -132,16 +134,19 @@ fn a_slide_nears_the_exact_one_as_the_springs_stiffen_and_the_slip_velocity_fall
     let mut errors = Vec::new();
     for (k, s) in [(1e4, 0.04), (1e5, 0.02), (1e6, 0.01)] {
         let m = slide(k, s, FINE);
-        // While the springs take the weight over friction lacks what the fall lacks: mu times the depth.
+        // While the springs take up the weight, friction lacks as much as the floor force: mu times
+        // the depth.
         let depth = body.mass * G / (4.0 * k);
         let truth = way(v, mu, s) + mu * depth;
         let [x, y, _] = m.final_base_position;
-        // While they do, at nearly v, it misses s^2 / (2 v^2) of that; and tolerances of 1e-12 over some 10000 steps.
+        // Meanwhile, at nearly v, it lacks s^2 / (2 v^2) of that; and tolerances of 1e-12 over some
+        // 10000 steps.
         let missed = mu * depth * s * s / (2.0 * v * v);
         assert!((x - truth).abs() < 1.2 * missed + 1e-9 && y.abs() < 1e-12, "{k} {s}: {x} {truth} {missed}");
         errors.push(x - exact);
     }
-    // Both parts fall: that of the springs as 1 / k, that of friction as s^2 (log(2 v / s) + 1 / 2).
+    // Both parts decrease: that of the springs as 1 / k, that of friction as s^2 (log(2 v / s) + 1
+    // / 2).
     let predicted: Vec<f64> = [(1e4, 0.04), (1e5, 0.02), (1e6, 0.01)]
         .map(|(k, s): (f64, f64)| s * s * ((2.0 * v / s).ln() + 0.5) / (2.0 * mu * G) + mu * body.mass * G / (4.0 * k))
         .to_vec();
@@ -149,7 +154,7 @@ fn a_slide_nears_the_exact_one_as_the_springs_stiffen_and_the_slip_velocity_fall
         // The expansion of `way` in s leaves s^4.
         assert!((error / predicted - 1.0).abs() < 1e-2, "{errors:?} {predicted:?}");
     }
-    // In fixed steps of h the way is short by v h / 2 to first order.
+    // In fixed steps of h the distance is short by v h / 2 to first order.
     let short = |h: f64| {
         way(v, mu, 0.01) - slide(1e6, 0.01, &format!("method = \"semi-implicit\", step = {h}")).final_base_position[0]
     };
@@ -158,7 +163,7 @@ fn a_slide_nears_the_exact_one_as_the_springs_stiffen_and_the_slip_velocity_fall
 }
 
 #[test]
-fn a_slide_with_spin_nears_the_exact_one_with_the_slip_velocity() {
+fn a_slide_with_spin_converges_to_the_exact_one_with_the_slip_velocity() {
     let body = block();
     let base = "linear_velocity = [0.8, 0.3, 0], angular_velocity = [0, 0, 5]";
     let end = |contact: &str| {
@@ -175,19 +180,20 @@ fn a_slide_with_spin_nears_the_exact_one_with_the_slip_velocity() {
         penalty.iter().zip(&exact).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     };
     let errors = [(1e4, 0.04), (1.6e5, 0.01), (2.56e6, 0.0025)].map(|(k, s)| error(k, s));
-    // Second order in s but for its logarithm, and 1 / k alike: a factor of 16 each time, less some for the logarithm.
+    // Second order in s except for its logarithm, and 1 / k as well: a factor of 16 each time, less
+    // some for the logarithm.
     assert!(errors.windows(2).all(|e| (9.0..18.0).contains(&(e[0] / e[1]))), "{errors:?}");
 }
 
 #[test]
-fn its_states_say_what_carries_and_how_fast_it_slips() {
+fn states_report_loaded_vertices_and_slip() {
     let (body, mu, v, s) = (block(), 0.5, 1.0, 1e-3);
     let text = scenario(&body, &format!("linear_velocity = [{v}, 0, 0]"), 0.5, &springs(1e5, 300.0, s), FINE);
     let (m, recording) = watch(&level(&format!("floor = {{ friction = {mu} }}\n{text}"), &body));
     let reach = |v: f64| (v.hypot(s) - s * (s / v).asinh()) / (mu * G);
     let truth = reach(v) - reach(s);
     let stick = m.first_stick_s.expect("it stops");
-    // Read off at the end of a step; steps are some 1e-4 s where friction is stiff.
+    // Read at the end of a step; steps are some 1e-4 s where friction is stiff.
     assert!(stick >= truth - 1e-9 && stick < truth + 1e-3, "{stick} {truth}");
     let kinds: Vec<_> = recording.events.iter().map(|e| e.kind).collect();
     assert_eq!(kinds, ["touchdown", "stick"]);
@@ -203,13 +209,13 @@ fn its_states_say_what_carries_and_how_fast_it_slips() {
 }
 
 #[test]
-fn energy_adds_up_with_what_the_springs_hold() {
+fn energy_balances_with_the_energy_of_the_springs() {
     let body = block();
     let base = "position = [0, 0, 0.12], rpy = [0.2, 0.3, 0], linear_velocity = [0.5, 0.2, 0]";
     let fall = |integrator: &str| run(&scenario(&body, base, 1.0, "", integrator));
     let m = fall(FINE);
-    // The energies are integrated beside the state, at its steps, but without a say in their size: where a damper lets go
-    // with a kink, at powers of 1e2 W and steps of 1e-5 s, this shows.
+    // The energies are integrated along with the state, but do not control the step size. Where a
+    // damper releases with a kink, at powers of 1e2 W and steps of 1e-5 s, this gives an error.
     assert!(m.max_energy_error_j < 5e-7, "{m:?}");
     assert!(m.impact_loss_j > 0.5 && m.friction_loss_j > 0.1 && m.max_tension_n == 0.0, "{m:?}");
     // Fixed steps: the work of the floor is exact, that of gravity of first order.
@@ -218,7 +224,7 @@ fn energy_adds_up_with_what_the_springs_hold() {
 }
 
 #[test]
-fn a_patch_gives_its_own_friction() {
+fn a_patch_has_its_own_friction() {
     let (body, v, s) = (block(), 1.0, 1e-2);
     let text = scenario(&body, &format!("linear_velocity = [{v}, 0, 0]"), 1.0, &springs(1e6, 500.0, s), FINE);
     let floor =
@@ -230,7 +236,7 @@ fn a_patch_gives_its_own_friction() {
 }
 
 #[test]
-fn a_robot_stands_on_its_springs_with_its_weight() {
+fn the_springs_carry_the_weight_of_a_standing_robot() {
     for integrator in ["max_step = 1e-3", "method = \"semi-implicit\", step = 1e-3"] {
         let mut sim = simulation(&format!(
             "duration = 1.0\nrobot = {{ model = \"robots/hoap2/hoap2.toml\" }}\ncontact = {{ method = \"penalty\" }}\n\

@@ -1,4 +1,4 @@
-//! A double pendulum against its typed-in equations of motion.
+//! A double pendulum against its equations of motion.
 //!
 //! With absolute angles a, b of two equal bars (mass m, length l, inertia I about the middle, c = l / 2) and d = a - b:
 //!
@@ -29,7 +29,7 @@ pub fn derivative(s: &[f64; 4]) -> [f64; 4] {
 }
 
 #[test]
-fn swings_as_its_equations_say_and_keeps_its_energy() {
+fn a_double_pendulum_obeys_its_equations_and_conserves_energy() {
     for (shoulder, elbow, rate) in [(0.5, 0.2, 0.0), (2.0, -1.0, 1.0), (-1.2, 2.5, -3.0)] {
         let duration = 2.0;
         let mut sim = simulation(&format!(
@@ -45,11 +45,13 @@ fn swings_as_its_equations_say_and_keeps_its_energy() {
         let m = finish(&mut sim, &mut NullObserver);
         let truth = rk4([shoulder, shoulder + elbow, rate, rate + 0.5], duration, 200_000, |_, s| derivative(s));
         let (q, v) = (&sim.plant().state.joints, &sim.plant().state.v);
-        // Integration at 1e-12 over some thousand steps, grown by the divergence of neighbouring swings, at most 1e3.
+        // Integration at 1e-12 over some thousand steps, amplified by the divergence of
+        // neighbouring trajectories, at most 1e3.
         for (mine, truth) in [(q[0], truth[0]), (q[0] + q[1], truth[1]), (v[0], truth[2]), (v[0] + v[1], truth[3])] {
             assert!((mine - truth).abs() < 1e-8, "{mine} {truth}");
         }
-        // Nothing drives it, so the work is zero and the error is the drift of the energy itself: integration error.
+        // No force drives it, so the work is zero and the error is the drift of the energy:
+        // integration error.
         assert!(m.energy_error_j.abs() < 1e-9, "{}", m.energy_error_j);
     }
 }

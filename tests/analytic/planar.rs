@@ -1,12 +1,13 @@
-//! The planar motion of a box that slides and turns on four corners: typed-in equations, apart from the simulator's.
+//! The planar motion of a box that slides and rotates on four corners: equations independent of the
+//! simulator.
 //!
 //! ```text
 //! m v' = -mu sum N_i u_i      I_z w' = -mu sum N_i (r_i x u_i)      u_i = (v + w z x r_i) / |...|
 //! ```
 //!
-//! The corners' loads follow the pressure rule, linear while all are positive: `N_i = A + B x_i + C y_i` with `sum N_i =
-//! m g` and, since friction acts a height c below the centre and the box does not tilt, `sum N_i r_i = c mu sum N_i u_i`.
-//! Nothing here asks for a flat body; only all N_i > 0.
+//! The corners' loads follow the pressure rule, linear while all are positive: `N_i = A + B x_i + C
+//! y_i` with `sum N_i = m g`. Friction acts a height c below the centre and the box does not tilt,
+//! so `sum N_i r_i = c mu sum N_i u_i`. The equations do not require a flat body, only all N_i > 0.
 
 use super::body::{Body, G};
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -22,7 +23,7 @@ pub fn derivative(body: &Body, mu: f64, s: &[f64; 6]) -> [f64; 6] {
     derivative_on(body, [mu; 4], s)
 }
 
-/// As [`derivative`], with friction of its own at each corner.
+/// As [`derivative`], with separate friction at each corner.
 pub fn derivative_on(body: &Body, mu: [f64; 4], s: &[f64; 6]) -> [f64; 6] {
     on_feet(&body.corners(), &mu, [body.half[2], body.mass, body.inertia()[2]], s)
 }

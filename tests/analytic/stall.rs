@@ -1,4 +1,5 @@
-//! Runs whose events would never end are ended, with words; ordinary chains of impacts end by the tolerances.
+//! Runs with endless events end with an error message; ordinary chains of impacts end by the
+//! tolerances.
 
 use super::body::G;
 use super::support::{run, simulation, watch};
@@ -9,7 +10,7 @@ use stiction::force::{AppliedForces, Force, ForceContext};
 use stiction::robot::LinkId;
 use stiction::sim::{NullObserver, Outcome, Simulation};
 
-/// Twenty nanometres up, without loss: it bounces every 0.13 ms for ever.
+/// Twenty nanometres up, without loss: it bounces every 0.13 ms without end.
 const BOUNCING: &str = "
     duration = 2.0
     robot = { model = \"robots/block/block.toml\", base = { position = [0, 0, 0.05000002] } }
@@ -20,7 +21,7 @@ const BOUNCING: &str = "
     acceleration_tolerance = 1e-9\n";
 
 #[test]
-fn bouncing_for_ever_without_loss_stalls() {
+fn endless_bouncing_without_loss_stalls() {
     let mut sim = simulation(BOUNCING);
     let (outcome, message) = sim.run(&mut NullObserver, &AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Stalled, "{message}");
@@ -31,14 +32,15 @@ fn bouncing_for_ever_without_loss_stalls() {
 }
 
 #[test]
-fn from_higher_up_the_same_block_bounces_on() {
+fn from_a_greater_height_the_block_bounces_without_stalling() {
     let m = run(&BOUNCING.replace("0.05000002", "0.15"));
     let period = 2.0 * (2.0 * 0.1 / G).sqrt();
     assert_eq!(m.impacts, (2.0 / period + 0.5).floor() as u64);
     assert!(m.energy_error_j.abs() < 1e-9);
 }
 
-/// Pushes forward while the body does not move forward, and backward while it does: no motion satisfies it.
+/// Pushes forward unless the body moves forward, and backward while it does: no motion satisfies
+/// it.
 struct Contrary(f64);
 
 impl Force for Contrary {
@@ -50,12 +52,12 @@ impl Force for Contrary {
 }
 
 #[test]
-fn a_force_that_turns_round_with_the_motion_it_causes_stalls() {
+fn a_force_that_reverses_with_its_own_motion_stalls() {
     let text = "duration = 1.0\nrobot = { model = \"robots/block/block.toml\" }\nfloor = { friction = 0.2 }\n";
     let file = stiction::scenario::parse(&super::support::root().join("t.toml"), text).unwrap();
     let runs = file.expand(&[]).unwrap();
     let robot = stiction::robot::load(&runs[0].resolve(&runs[0].scenario.robot.model)).unwrap();
-    // Below the friction's reach nothing moves and nothing stalls.
+    // Below the friction limit nothing moves and nothing stalls.
     for (force, stalls) in [(1.5, false), (4.0, true)] {
         let mut setup = assemble::setup(&runs[0], &robot).unwrap();
         setup.forces.push(Box::new(Contrary(force)));
@@ -79,14 +81,15 @@ fn bouncing_with_loss_ends_by_the_velocity_tolerance() {
             integrator = {{ relative_tolerance = 1e-9, absolute_tolerance = 1e-11 }}\n"
         ));
         let fall = (2.0f64 * 0.2 / G).sqrt();
-        // Approach speeds are v e^n; one that is hardly above the tolerance may be settled without a bounce.
+        // Approach speeds are v e^n; one slightly above the tolerance may end without a bounce.
         let impacts = ((tolerance / (G * fall)).ln() / f64::ln(e)).ceil();
         assert!((m.impacts as f64 - impacts).abs() <= 1.0, "{e} {tolerance} {} {impacts}", m.impacts);
-        // All bounces would take (1 + e) / (1 - e) times the fall; those below the tolerance are left out.
+        // All bounces would take (1 + e) / (1 - e) times the fall; those below the tolerance are
+        // omitted.
         let all = fall * (1.0 + e) / (1.0 - e);
         let left_out = all - recording.events.last().expect("it bounces").time;
         assert!(left_out >= 0.0 && left_out < 2.0 * tolerance / (e * G * (1.0 - e)), "{e} {tolerance} {left_out}");
-        let end = recording.snapshots.last().expect("the end is told");
+        let end = recording.snapshots.last().expect("the end is reported");
         assert_eq!(end.soles[0].state, "face-static");
         assert!((m.final_base_position[2] - 0.05).abs() < 1e-8 && m.energy_error_j.abs() < 1e-9);
         assert_eq!(m.inconsistent, 0);
@@ -104,7 +107,7 @@ fn rocking_ends_by_the_velocity_tolerance() {
             contact = {{ velocity_tolerance = {tolerance}, acceleration_tolerance = {tolerance} }}\n"
         ));
         println!("{tilt} {tolerance} {m:?}");
-        let end = recording.snapshots.last().expect("the end is told");
+        let end = recording.snapshots.last().expect("the end is reported");
         assert_eq!((end.soles[0].state.as_str(), m.inconsistent), ("face-static", 0));
         assert!(m.impacts > 4 && m.events < 500, "{} {}", m.impacts, m.events);
         // Vertices are clamped within 1e-9 m of the floor, on a sole 0.04 m wide.

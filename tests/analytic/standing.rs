@@ -1,4 +1,4 @@
-//! HOAP-2 on its feet, and what the fixed-step method gives away.
+//! HOAP-2 on its feet, and the errors of the fixed-step method.
 
 use super::body::G;
 use super::support::{finish, run, simulation, watch};
@@ -22,9 +22,9 @@ fn a_standing_humanoid_does_not_creep_and_the_floor_carries_its_weight() {
     assert!(m.max_static_creep_m < 1e-9, "{}", m.max_static_creep_m);
     assert_eq!((m.first_slip_s, m.first_liftoff_s, m.inconsistent), (None, None, 0));
     let (_, recording) = watch(&standing("exact", 10.0, ADAPTIVE));
-    let end = recording.snapshots.last().expect("the last state is always told");
+    let end = recording.snapshots.last().expect("the last state is always reported");
     let load: f64 = end.soles.iter().flat_map(|s| &s.forces).map(|f| f.z).sum();
-    // The sway has died out (it decays at about 12 1/s): what is left of it after 10 s is integration noise.
+    // The sway has decayed (at about 12 1/s): after 10 s the rest is integration noise.
     assert!((load / weight - 1.0).abs() < 1e-6, "{load} {weight}");
     // Moments balance: the centre of pressure is under the centre of mass.
     let pressure = end.centre_of_pressure.expect("it stands");
@@ -32,7 +32,7 @@ fn a_standing_humanoid_does_not_creep_and_the_floor_carries_its_weight() {
 }
 
 #[test]
-fn one_step_agrees_with_exact_where_nothing_changes() {
+fn one_step_agrees_with_exact_without_state_changes() {
     let (a, b) = (run(&standing("exact", 1.0, ADAPTIVE)), run(&standing("one-step", 1.0, ADAPTIVE)));
     for i in 0..3 {
         // Same equations, other steps: the integrator's tolerance over a swaying second.
@@ -59,9 +59,10 @@ fn semi_implicit_is_of_first_order() {
         };
         let errors = [4e-3, 2e-3, 1e-3, 5e-4].map(error);
         for (e, step) in errors.iter().zip([4e-3, 2e-3, 1e-3, 5e-4]) {
-            // Each step moves with the velocity at its end, mu g dt lower than at its start: v dt / 2 short in all, and
-            // up to mu g dt^2 / 8 from where in its step the stop falls. The one-step method sticks only after the
-            // velocity has turned, having slid back by at most mu g dt^2.
+            // Each step moves with the velocity at its end, mu g dt lower than at its start: v dt /
+            // 2 short in all, and up to mu g dt^2 / 8 from the position of the stop in its step.
+            // The one-step method sticks only after the velocity has reversed, having slid back by
+            // at most mu g dt^2.
             let expected = -speed * step / 2.0;
             let stop = mu * G * step * step * if method == "exact" { 0.125 } else { 1.0 };
             assert!((e - expected).abs() < stop + 1e-9, "{method} {step}: {e} {expected}");
@@ -70,7 +71,7 @@ fn semi_implicit_is_of_first_order() {
 }
 
 #[test]
-fn fixed_steps_lose_energy_only_of_the_order_of_the_step() {
+fn the_energy_loss_of_fixed_steps_is_of_the_order_of_the_step() {
     for method in ["exact", "one-step"] {
         let error = |step: f64| {
             let m = run(&format!(
@@ -89,13 +90,14 @@ fn fixed_steps_lose_energy_only_of_the_order_of_the_step() {
                 profile = "half-sine"
                 "#
             ));
-            // Rocking feet come down within distance_tolerance, 1 mm, which lifts the base by no more.
+            // Rocking feet land within distance_tolerance, 1 mm, which raises the base by no more.
             assert!((m.final_base_position[2] - 0.2834).abs() < 1e-3, "{method} {step}: {m:?}");
             m.energy_error_j.abs()
         };
         let (coarse, fine) = (error(1e-3), error(2e-4));
-        // First order in the step: a fifth of the error, and no energy out of nothing when vertices are clamped above
-        // the floor. A quarter leaves room for landings that fall differently into steps.
+        // First order in the step: a fifth of the error, and no energy gain when vertices are
+        // clamped above the floor. A quarter leaves room for landings at different instants of the
+        // steps.
         assert!(coarse < 1e-3 && fine < coarse / 4.0, "{method}: {coarse:e} {fine:e}");
     }
 }

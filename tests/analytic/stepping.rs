@@ -1,4 +1,5 @@
-//! The time-stepping methods `lcp` and `ncp`: where they agree with `exact`, and the flaws each is known for, as predicted.
+//! The time-stepping methods `lcp` and `ncp`: agreement with `exact`, and their known errors as
+//! predicted.
 
 use super::body::{Body, G};
 use super::support::{root, run, simulation, watch};
@@ -25,12 +26,13 @@ fn at(heading: f64, size: f64) -> Vector2<f64> {
     Rotation2::new(heading) * Vector2::new(size, 0.0)
 }
 
-/// Where sliding ends that begins with speed `v` at angle `theta` from a direction of the polygon, 0 to pi / m, in axes
-/// along that direction; and after what time.
+/// End position and duration of a slide that begins with speed `v` at angle `theta` from a
+/// direction of the polygon, 0 to pi / m, in axes along that direction.
 ///
-/// Greatest dissipation takes the corner of the polygon nearest against the motion, so friction opposes the component
-/// along the direction with mu g and leaves the other alone: the motion veers. Once it points between two directions
-/// both work: it stays on that line, slowed by their mean, mu g cos(pi / m).
+/// Maximum dissipation selects the corner of the polygon nearest to the opposite of the motion.
+/// Friction therefore opposes the component along the direction with mu g and does not affect the
+/// other: the motion veers. Once it points between two directions both act: it stays on that line,
+/// slowed by their mean, mu g cos(pi / m).
 fn veering(v: f64, theta: f64, m: f64, mu: f64) -> (Vector2<f64>, f64) {
     let (a, half) = (mu * G, PI / m);
     let across = v * theta.sin();
@@ -51,7 +53,7 @@ fn the_polygon_of_lcp_makes_a_sliding_block_veer_as_predicted() {
                 let launch = at(theta + turn, v);
                 let recording = sliding(&launch, &format!("method = \"lcp\", lcp = {{ facets = {m} }}"), STEP);
                 let (way, time) = veering(v, theta, m, mu);
-                // Velocities at the ends of steps: short by half a step of the launch.
+                // Velocities at the ends of steps: the launch is short by half a step.
                 let truth = Rotation2::new(turn) * way - launch * (0.5 * STEP);
                 let found = Vector2::new(recording.final_base_position[0], recording.final_base_position[1]);
                 // The bend falls within a step and so does the stop: mu g dt^2 for each.
@@ -66,7 +68,7 @@ fn the_polygon_of_lcp_makes_a_sliding_block_veer_as_predicted() {
 }
 
 #[test]
-fn what_lcp_adds_to_a_stop_between_two_directions_falls_with_the_number_of_facets() {
+fn the_extra_distance_of_lcp_between_two_directions_decreases_with_the_facets() {
     let (v, mu) = (2.0, 0.5);
     let way = |m: f64| {
         let heading = PI / m;
@@ -75,15 +77,15 @@ fn what_lcp_adds_to_a_stop_between_two_directions_falls_with_the_number_of_facet
     };
     let truth = v * v / (2.0 * mu * G);
     for m in [4.0, 8.0, 16.0, 32.0, 64.0] {
-        // Friction lacks 1 - cos(pi / m): 0.293 with four facets, 0.076, 0.019, 0.0048, 0.0012. The stop falls within a
-        // step, mu g dt^2 / 8 of a way of 0.4 m.
+        // Friction lacks 1 - cos(pi / m): 0.293 with four facets, 0.076, 0.019, 0.0048, 0.0012. The
+        // stop falls within a step, mu g dt^2 / 8 of a distance of 0.4 m.
         let lacks = 1.0 - truth / way(m);
         assert!((lacks - (1.0 - f64::cos(PI / m))).abs() < 2e-6, "{m} {lacks}");
     }
 }
 
 #[test]
-fn along_a_direction_lcp_and_everywhere_ncp_slide_as_exact_does() {
+fn lcp_along_a_facet_direction_and_ncp_in_any_direction_slide_like_exact() {
     for step in [4e-3, 1e-3] {
         for k in 0..8 {
             let launch = at(TAU * f64::from(k) / 8.0, 2.0);
@@ -136,7 +138,7 @@ fn the_sticking_limit_of_lcp_is_the_polygon() {
     for m in [4.0, 6.0, 8.0, 12.0] {
         for k in 0..12 {
             let heading = 0.01 + TAU * f64::from(k) / 12.0;
-            // Straight to the side of the polygon in that direction.
+            // Perpendicular to the side of the polygon in that direction.
             let off = (heading.rem_euclid(TAU / m) - PI / m).abs();
             let limit = circle * f64::cos(PI / m) / off.cos();
             check(heading, limit, &format!("method = \"lcp\", lcp = {{ facets = {m} }}"));
@@ -148,7 +150,7 @@ fn the_sticking_limit_of_lcp_is_the_polygon() {
 }
 
 #[test]
-fn ncp_holds_on_the_circle_but_creeps_near_it_as_long_as_sweeps_are_few() {
+fn ncp_holds_up_to_the_circle_but_creeps_near_it_with_few_sweeps() {
     let body = Body::new([0.1, 0.1, 0.05], 1.0);
     let circle = 0.5 * body.mass * G;
     for k in 0..12 {
@@ -160,9 +162,9 @@ fn ncp_holds_on_the_circle_but_creeps_near_it_as_long_as_sweeps_are_few() {
         let [below, above] = [speed(0.999, 200), speed(1.001, 1000)];
         // Its tolerance, 1e-12 m/s, is reached in 200 sweeps.
         assert!(below < 1e-11, "{below:.2e}");
-        // 1e-3 mu g for 0.2 s, less what the sweeps of the first step miss.
+        // 1e-3 mu g for 0.2 s, less the error of the sweeps of the first step.
         assert!((above / (1e-3 * 0.5 * G * 0.2) - 1.0).abs() < 1e-4, "{above:.2e}");
-        // A thousand times nearer to the limit sweeping hardly gets on.
+        // A thousand times nearer to the limit, sweeps hardly converge.
         let near = speed(1.0 - 1e-6, 200);
         assert!(near > 1e-8, "{near:.2e}");
     }
@@ -172,20 +174,21 @@ const HOAP2: &str = "robot = { model = \"robots/hoap2/hoap2.toml\" }
     floor = { friction = 0.8 }
     integrator = { method = \"semi-implicit\", step = 1e-3 }\n";
 
-/// HOAP-2 stands on `sweeps` sweeps a step for a second: its creep (m/s, root mean square), greatest penetration (m), and the
-/// part of its weight that the floor does not carry at the end.
+/// HOAP-2 stands for a second with `sweeps` sweeps a step. Returns its creep (m/s, root mean
+/// square), the greatest penetration (m), and the part of its weight that the floor does not carry
+/// at the end.
 fn cut_short(sweeps: u32) -> [f64; 3] {
     let (m, recording) = watch(&format!(
         "duration = 1.0\n{HOAP2}contact = {{ method = \"ncp\", ncp = {{ iterations = {sweeps}, tolerance = 1e-15 }} }}\n"
     ));
-    let end = recording.snapshots.last().expect("the end is told");
+    let end = recording.snapshots.last().expect("the end is reported");
     let weight = simulation(HOAP2).plant().model.mass() * G;
     let load: f64 = end.soles.iter().flat_map(|s| &s.forces).map(|f| f.z).sum();
     [m.rms_creep_speed_m_per_s, m.max_penetration_m, (load / weight - 1.0).abs()]
 }
 
 #[test]
-fn what_ncp_misses_falls_with_its_sweeps() {
+fn the_error_of_ncp_decreases_with_its_sweeps() {
     let all = [1, 2, 5, 10, 20].map(cut_short);
     all.iter().for_each(|x| println!("{x:.2?}"));
     for (few, more) in all.iter().zip(&all[1..]) {
@@ -193,12 +196,12 @@ fn what_ncp_misses_falls_with_its_sweeps() {
             assert!(more[part] < 0.2 * few[part], "{part} {few:?} {more:?}");
         }
     }
-    // One sweep does not carry the robot: its weight is a tenth off. Five do.
+    // With one sweep the floor force errs by a tenth of the weight; five suffice.
     assert!(all[0][2] > 0.05 && all[2][2] < 1e-6, "{all:?}");
 }
 
 #[test]
-fn stepping_methods_say_what_they_do_not_run_with() {
+fn stepping_methods_refuse_unsupported_settings() {
     let refused = |text: &str| {
         let file = stiction::scenario::parse(
             &root().join("test.toml"),
@@ -231,9 +234,9 @@ fn stepping_methods_say_what_they_do_not_run_with() {
 }
 
 #[test]
-fn a_slope_holds_below_the_least_of_the_polygon_whatever_its_heading() {
+fn a_slope_holds_below_the_least_friction_of_the_polygon_for_any_heading() {
     for (m, part, holds) in [(4.0, 0.999, true), (4.0, 1.001, false), (8.0, 0.999, true), (8.0, 1.001, false)] {
-        // Down the slope is between the first two directions.
+        // The descent direction is between the first two directions.
         let angle = part * f64::atan(0.5 * f64::cos(PI / m));
         let (s, c) = f64::sin_cos(PI / m);
         let axis = nalgebra::Unit::new_unchecked(nalgebra::Vector3::new(-s, c, 0.0));
@@ -256,7 +259,7 @@ fn a_slope_holds_below_the_least_of_the_polygon_whatever_its_heading() {
 }
 
 #[test]
-fn a_block_falls_and_lands_as_with_exact() {
+fn a_block_falls_and_lands_like_with_exact() {
     for (tilt, height) in [("[0.0, 0.0, 0.0]", 0.15), ("[0.2, 0.1, 0.3]", 0.3)] {
         let fall = |method: &str| {
             let m = run(&format!(
@@ -272,10 +275,10 @@ fn a_block_falls_and_lands_as_with_exact() {
         let [exact, lcp, ncp] = ["exact", "lcp", "ncp"].map(fall);
         for m in [&lcp, &ncp] {
             assert_eq!((m.inconsistent, m.first_touchdown_s), (0, exact.first_touchdown_s));
-            // It rests on the floor: what is below it comes up in the next step.
+            // It rests on the floor: the next step corrects penetration.
             assert!((m.final_base_position[2] - 0.05).abs() < 1e-9, "{}", m.final_base_position[2]);
             assert!(m.max_penetration_m < 1e-5, "{}", m.max_penetration_m);
-            // All that it falls is lost, but for the error of steps of 1 ms.
+            // The impact dissipates the whole fall, up to the error of steps of 1 ms.
             let lost = G * (height - 0.05);
             assert!(((m.impact_loss_j + m.friction_loss_j) / lost - 1.0).abs() < 0.02, "{} {lost}", m.impact_loss_j);
         }
@@ -283,10 +286,10 @@ fn a_block_falls_and_lands_as_with_exact() {
 }
 
 #[test]
-fn a_humanoid_stands_as_with_exact_and_the_floor_carries_it() {
+fn a_humanoid_stands_like_with_exact_and_the_floor_carries_it() {
     let standing = |contact: &str| {
         let (m, recording) = watch(&format!("duration = 1.0\n{HOAP2}contact = {{ {contact} }}\n"));
-        let end = recording.snapshots.last().expect("the end is told").clone();
+        let end = recording.snapshots.last().expect("the end is reported").clone();
         let load: f64 = end.soles.iter().flat_map(|s| &s.forces).map(|f| f.z).sum();
         let states = end.soles.iter().map(|s| s.state.clone()).collect::<Vec<_>>();
         (m, load, states)
@@ -298,19 +301,20 @@ fn a_humanoid_stands_as_with_exact_and_the_floor_carries_it() {
         let (m, carried, same) = standing(contact);
         assert_eq!((m.inconsistent, m.state_changes, same), (0, 0, states.clone()), "{contact}");
         for axis in 0..3 {
-            // exact leaves what is below the floor there, 2e-8 m after the swaying; these bring it up.
+            // exact leaves vertices below the floor uncorrected, 2e-8 m after the swaying; these
+            // methods correct them.
             assert!((m.final_base_position[axis] - exact.final_base_position[axis]).abs() < 5e-8, "{contact}");
         }
-        // The same sway; what is left of it after a second accelerates the weight by as much.
+        // The same sway; the rest of it after a second accelerates the weight by as much.
         assert!((carried / load - 1.0).abs() < 1e-6, "{contact}: {carried} {load}");
         assert!((carried / weight - 1.0).abs() < 1e-3, "{contact}: {carried} {weight}");
     }
 }
 
-/// A push of half-sine profile that lasts one, two or five steps carries its impulse into a flying block. Midpoint sums of a half-sine
-/// over n steps are (pi / 2n) / sin(pi / 2n) of its integral.
+/// A push of half-sine profile over one, two or five steps transfers its impulse to a flying block.
+/// Midpoint sums of a half-sine over n steps are (pi / 2n) / sin(pi / 2n) of its integral.
 #[test]
-fn a_short_push_carries_its_impulse() {
+fn a_short_push_transfers_its_impulse() {
     for n in [1, 2, 5, 50] {
         let duration = 1e-3 * f64::from(n);
         let force = 0.5 * std::f64::consts::PI / duration;
@@ -320,7 +324,7 @@ fn a_short_push_carries_its_impulse() {
             force = [{{ type = \"push\", link = \"block\", force = [{force:?}, 0, 0], start = 0.02, duration = {duration:?}, profile = \"half-sine\" }}]"
         ));
         let x = std::f64::consts::PI / (2.0 * f64::from(n));
-        // 1 N s on 1 kg. The steps' instants are sums of 1e-3 s, off by rounding.
+        // 1 N s on 1 kg. The steps' instants are sums of 1e-3 s, with rounding.
         assert!((m.final_base_velocity[0] - x / x.sin()).abs() < 1e-9, "{n}: {}", m.final_base_velocity[0]);
     }
 }

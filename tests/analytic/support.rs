@@ -1,4 +1,4 @@
-//! Runs scenario text against the robots of the tree.
+//! Runs scenario text with the robots of the repository.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -18,7 +18,8 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
 }
 
-/// Prepares the only run of a scenario given as text; paths in it start at the repository's root.
+/// Prepares the only run of a scenario given as text; relative paths start at the repository's
+/// root.
 pub fn simulation(text: &str) -> Simulation {
     let file = scenario::parse(&root().join("test.toml"), text).unwrap_or_else(|e| panic!("{e}"));
     let runs = file.expand(&[]).unwrap_or_else(|e| panic!("{e}"));
@@ -27,19 +28,19 @@ pub fn simulation(text: &str) -> Simulation {
     Simulation::new(setup).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Runs a scenario to the end, which it must reach.
+/// Runs a scenario and asserts that it passes.
 pub fn run(text: &str) -> Metrics {
     finish(&mut simulation(text), &mut NullObserver)
 }
 
-/// Runs a scenario to the end, which it must reach, and records its events and snapshots.
+/// Runs a scenario, asserts that it passes, and records its events and snapshots.
 pub fn watch(text: &str) -> (Metrics, Recording) {
     let mut recording = Recording::default();
     let metrics = finish(&mut simulation(text), &mut recording);
     (metrics, recording)
 }
 
-/// Runs to the end, which the run must reach.
+/// Runs to the end and asserts that the run passes.
 pub fn finish(sim: &mut Simulation, observer: &mut dyn Observer) -> Metrics {
     let (outcome, message) = sim.run(observer, &AtomicBool::new(false));
     assert_eq!(outcome, Outcome::Passed, "{message}\n{:?}", sim.metrics());
@@ -56,12 +57,12 @@ pub struct Recording {
 }
 
 impl Observer for Recording {
-    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String> {
+    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), stiction::sim::ObserverError> {
         self.snapshots.push(snapshot.clone());
         Ok(())
     }
 
-    fn event(&mut self, event: &SimEvent) -> Result<(), String> {
+    fn event(&mut self, event: &SimEvent) -> Result<(), stiction::sim::ObserverError> {
         self.events.push(event.clone());
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! Pushed high, a body tips; pushed low, it slides; and one that slides fast does not hop.
+//! A body pushed high tips; one pushed low slides; one that slides fast does not hop.
 
 use super::body::{Body, G};
 use super::support::{TIGHT, rk4, run, watch};
@@ -22,7 +22,7 @@ fn push(body: &Body, yaw: f64, mu: f64, height: f64, full: f64, time: f64, durat
 }
 
 #[test]
-fn slides_first_below_b_over_h_and_tips_first_above() {
+fn a_box_slides_first_below_b_over_h_and_tips_first_above() {
     for half in [[0.1, 0.1, 0.1], [0.05, 0.08, 0.1], [0.02, 0.03, 0.06]] {
         let body = Body::new(half, 1.3);
         for (k, height) in [0.6, 1.0, 1.5].into_iter().map(|f| f * half[2]).enumerate() {
@@ -84,7 +84,7 @@ fn a_fast_sliding_block_does_not_hop() {
                 body.robot(&base)
             );
             let m = run(&text);
-            // Nothing may leave the floor: drift between projections is far below 1e-9.
+            // No vertex may leave the floor: drift between projections is far below 1e-9.
             assert!(m.max_lift_m < 1e-9 && m.max_penetration_m < 1e-9, "{} {}", m.max_lift_m, m.max_penetration_m);
             assert_eq!((m.first_liftoff_s, m.impacts, m.inconsistent), (None, 0, 0));
             assert!(m.final_base_rpy[0].abs() + m.final_base_rpy[1].abs() < 1e-9);

@@ -1,4 +1,5 @@
-//! The language of `--filter` against a second, plain evaluation of the same trees, and against noise.
+//! Tests of the `--filter` language against an independent evaluation of the same expressions, and
+//! against random text.
 
 use std::path::Path;
 
@@ -6,7 +7,7 @@ use proptest::prelude::*;
 use stiction::batch::{Filter, Selection};
 use stiction::scenario::{Run, parse};
 
-/// Runs that differ in numbers, whole and not, in texts and in flags.
+/// Runs with different whole numbers, fractions and texts.
 const SCENARIO: &str = r#"
 [robot]
 model = "none.toml"
@@ -23,12 +24,12 @@ fn runs() -> Vec<Run> {
     parse(Path::new("push-left.toml"), SCENARIO).unwrap().expand(&[]).unwrap()
 }
 
-/// A key as those that programs give: it need not be the run's.
+/// A key in the format of the program, but not that of the run.
 fn key(run: &Run) -> String {
     format!("{:016x}", (run.index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15))
 }
 
-/// An expression as a tree of its own.
+/// A filter expression, independent of that of the library.
 #[derive(Clone, Debug)]
 enum Tree {
     Leaf(&'static str, &'static str, Vec<Value>),
@@ -51,7 +52,8 @@ impl Tree {
             }
             Tree::Leaf(subject, sign, values) => format!("{subject}{sign}{}", values[0].write()),
             Tree::Not(a) => format!("not ({})", a.write()),
-            // Without brackets on the left: both are read from the left, and `and` before `or`.
+            // No brackets on the left: operators associate to the left, and `and` binds before
+            // `or`.
             Tree::And(a, b) => format!("{} and ({})", a.bracketed_or(), b.write()),
             Tree::Or(a, b) => format!("{} or ({})", a.write(), b.write()),
         }
@@ -64,18 +66,18 @@ impl Tree {
     fn holds(&self, run: &Run) -> bool {
         match self {
             Tree::Leaf(subject, sign, values) => {
-                let seen = subject_of(run, subject);
-                match (*sign, &seen, &values[0]) {
-                    ("in", seen, _) => values.contains(seen),
-                    ("==", seen, wanted) => seen == wanted,
-                    ("!=", seen, wanted) => seen != wanted,
-                    ("^=", Value::Text(seen), Value::Text(wanted)) => seen.starts_with(wanted),
-                    ("~", Value::Text(seen), Value::Text(wanted)) => like(wanted, seen),
-                    ("!~", Value::Text(seen), Value::Text(wanted)) => !like(wanted, seen),
-                    ("<", Value::Number(seen), Value::Number(wanted)) => seen < wanted,
-                    ("<=", Value::Number(seen), Value::Number(wanted)) => seen <= wanted,
-                    (">", Value::Number(seen), Value::Number(wanted)) => seen > wanted,
-                    (">=", Value::Number(seen), Value::Number(wanted)) => seen >= wanted,
+                let found = value_of(run, subject);
+                match (*sign, &found, &values[0]) {
+                    ("in", found, _) => values.contains(found),
+                    ("==", found, expected) => found == expected,
+                    ("!=", found, expected) => found != expected,
+                    ("^=", Value::Text(found), Value::Text(expected)) => found.starts_with(expected),
+                    ("~", Value::Text(found), Value::Text(expected)) => matches_pattern(expected, found),
+                    ("!~", Value::Text(found), Value::Text(expected)) => !matches_pattern(expected, found),
+                    ("<", Value::Number(found), Value::Number(expected)) => found < expected,
+                    ("<=", Value::Number(found), Value::Number(expected)) => found <= expected,
+                    (">", Value::Number(found), Value::Number(expected)) => found > expected,
+                    (">=", Value::Number(found), Value::Number(expected)) => found >= expected,
                     other => panic!("{other:?}"),
                 }
             }
@@ -95,19 +97,19 @@ impl Value {
     }
 }
 
-/// The slow way to a pattern: `*` takes nothing or one more character.
-fn like(pattern: &str, text: &str) -> bool {
+/// Recursive pattern matching: `*` matches nothing or one more character.
+fn matches_pattern(pattern: &str, text: &str) -> bool {
     match (pattern.chars().next(), text.chars().next()) {
         (None, None) => true,
-        (Some('*'), None) => like(&pattern[1..], text),
-        (Some('*'), Some(_)) => like(&pattern[1..], text) || like(pattern, &text[1..]),
-        (Some('?'), Some(_)) => like(&pattern[1..], &text[1..]),
-        (Some(p), Some(t)) => p == t && like(&pattern[1..], &text[1..]),
+        (Some('*'), None) => matches_pattern(&pattern[1..], text),
+        (Some('*'), Some(_)) => matches_pattern(&pattern[1..], text) || matches_pattern(pattern, &text[1..]),
+        (Some('?'), Some(_)) => matches_pattern(&pattern[1..], &text[1..]),
+        (Some(p), Some(t)) => p == t && matches_pattern(&pattern[1..], &text[1..]),
         _ => false,
     }
 }
 
-fn subject_of(run: &Run, subject: &str) -> Value {
+fn value_of(run: &Run, subject: &str) -> Value {
     let scenario = &run.scenario;
     match subject {
         "name" => Value::Text(run.name.clone()),
@@ -135,19 +137,19 @@ fn leaf() -> impl Strategy<Value = Tree> {
         prop::sample::select(vec!["==", "!=", "~", "!~", "^=", "in"]),
         prop::collection::vec(texts.clone(), 1..4),
     );
-    let method_leaf =
+    let method_pattern_leaf =
         (Just("contact.method"), prop::sample::select(vec!["~", "!~", "^="]), prop::collection::vec(texts, 1..4));
     let number_leaf = (
         prop::sample::select(vec!["seed", "task.0.duration"]),
         prop::sample::select(vec!["==", "!=", "<", "<=", ">", ">=", "in"]),
         prop::collection::vec(numbers.prop_map(Value::Number), 1..4),
     );
-    // Only words that may stand there are no mistakes.
-    let word =
+    // Other values of `contact.method` are errors.
+    let method =
         prop::sample::select(vec!["exact", "one-step", "penalty", "lcp", "ncp"]).prop_map(|w| Value::Text(w.into()));
-    let word_leaf =
-        (Just("contact.method"), prop::sample::select(vec!["==", "!=", "in"]), prop::collection::vec(word, 1..4));
-    prop_oneof![text_leaf, method_leaf, word_leaf, number_leaf]
+    let method_name_leaf =
+        (Just("contact.method"), prop::sample::select(vec!["==", "!=", "in"]), prop::collection::vec(method, 1..4));
+    prop_oneof![text_leaf, method_pattern_leaf, method_name_leaf, number_leaf]
         .prop_map(|(subject, sign, values)| Tree::Leaf(subject, sign, values))
 }
 
@@ -170,15 +172,15 @@ fn selected(filter: &Filter, runs: &[Run]) -> Vec<usize> {
 
 proptest! {
     #[test]
-    fn it_selects_what_a_plain_evaluation_selects(tree in tree()) {
+    fn filters_agree_with_an_independent_evaluation(tree in tree()) {
         let runs = runs();
         let filter = Filter::parse(&tree.write()).unwrap();
-        let wanted: Vec<usize> = runs.iter().filter(|run| tree.holds(run)).map(|run| run.index).collect();
-        prop_assert_eq!(selected(&filter, &runs), wanted, "{}", tree.write());
+        let expected: Vec<usize> = runs.iter().filter(|run| tree.holds(run)).map(|run| run.index).collect();
+        prop_assert_eq!(selected(&filter, &runs), expected, "{}", tree.write());
     }
 
     #[test]
-    fn what_it_understood_reads_back_to_the_same(tree in tree()) {
+    fn a_printed_filter_parses_to_the_same_filter(tree in tree()) {
         let filter = Filter::parse(&tree.write()).unwrap();
         let again = Filter::parse(&filter.to_string()).unwrap();
         prop_assert_eq!(again.to_string(), filter.to_string());
@@ -187,16 +189,16 @@ proptest! {
     }
 
     #[test]
-    fn no_text_breaks_it(text in "\\PC{0,40}|[ ()!~=<>^&|\\[\\],.\"'\\\\a-z0-9-]{0,60}") {
-        if let Err(wrong) = Filter::parse(&text) {
-            let place = wrong.position.unwrap();
-            prop_assert!(place.column <= text.chars().count() + 1, "{place:?} in {text:?}");
+    fn errors_have_a_position_within_the_text(text in "\\PC{0,40}|[ ()!~=<>^&|\\[\\],.\"'\\\\a-z0-9-]{0,60}") {
+        if let Err(error) = Filter::parse(&text) {
+            let position = error.position.unwrap();
+            prop_assert!(position.column <= text.chars().count() + 1, "{position:?} in {text:?}");
         }
     }
 }
 
 #[test]
-fn it_binds_as_written() {
+fn operators_have_the_documented_precedence() {
     let read = |text: &str| Filter::parse(text).unwrap().to_string();
     let (a, b, c) = ("seed == 1", "seed == 2", "seed == 3");
     assert_eq!(read("seed==1 or seed==2 and seed==3"), format!("({a} or ({b} and {c}))"));
@@ -207,18 +209,18 @@ fn it_binds_as_written() {
     assert_eq!(read(r#"key != "a\"b\\c""#), r#"key != 'a"b\c'"#);
     assert_eq!(read(r#"a == "it's \"so\"""#), r#"a == "it's \"so\"""#);
     assert_eq!(read(r#""name" in [1, 2.5, 3,]"#), r#""name" in [1, 2.5, 3]"#, "a parameter in quotes");
-    // Patterns keep what means itself, however it was written.
+    // Patterns keep escaped characters, in either notation.
     assert_eq!(read(r#"name ~ "a\*\"b*""#), r#"name ~ "a\*\"b*""#);
     assert_eq!(read(r#"name !~ 'a\*"b*'"#), r#"name !~ "a\\*\"b*""#);
     assert_eq!(read(r#"robot.joint."l.knee".kp > -1e-3"#), r#"robot.joint."l.knee".kp > -0.001"#);
 }
 
 #[test]
-fn neither_length_nor_depth_is_too_much() {
+fn long_filters_are_accepted_and_deep_nesting_is_refused() {
     let long = "seed == 1 or ".repeat(100_000) + "seed == 2";
     assert_eq!(selected(&Filter::parse(&long).unwrap(), &runs()[..3]), [0]);
     for opening in ["(", "not ", "!"] {
-        let wrong = Filter::parse(&opening.repeat(100_000)).unwrap_err();
-        assert!(wrong.message.contains("inside each other"), "{}", wrong.message);
+        let error = Filter::parse(&opening.repeat(100_000)).unwrap_err();
+        assert!(error.message.contains("nested brackets"), "{}", error.message);
     }
 }

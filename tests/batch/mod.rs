@@ -1,3 +1,3 @@
-//! What drives many runs, without running them.
+//! Tests of batches without execution of runs.
 
 mod filter;

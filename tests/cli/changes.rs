@@ -1,4 +1,4 @@
-//! `runner compare`: what differs between two results.
+//! Tests of `runner compare`.
 
 use std::fs;
 
@@ -7,33 +7,33 @@ use super::{Done, Place};
 /// Two runs of a block that slides.
 const SLIDE: &str = "base = { linear_velocity = [1, 0, 0] }\n[sweep.grid]\n\"floor.friction\" = [0.4, 0.8]\n\"integrator.step\" = [1e-3]\n";
 
-fn slides() -> Place {
+fn sliding_blocks() -> Place {
     let place = Place::new();
     place.block("s.toml", SLIDE);
     place.runner(&["s.toml", "--set", "duration=0.5", "--no-log", "-o", "a"]).exits(0);
     place
 }
 
-fn last(done: &Done) -> &str {
+fn last_line(done: &Done) -> &str {
     done.stdout.lines().last().unwrap()
 }
 
 #[test]
 fn equal_results_agree_in_every_file_format() {
-    let place = slides();
+    let place = sliding_blocks();
     place.runner(&["s.toml", "--set", "duration=0.5", "--no-log", "-o", "b", "-j", "1"]).exits(0);
     let same = "2 runs compared: within the tolerances; 0 values beyond tolerance, 0 outcomes changed, 0 runs missing";
     for b in ["b", "b/summary.csv", "b/summary.parquet", "b/runs.jsonl"] {
-        // Not a digit may differ.
+        // All digits must agree.
         let done = place.runner(&["compare", "a", b, "--absolute", "0", "--relative", "0"]).exits(0);
-        assert_eq!(last(&done), same, "{b}");
+        assert_eq!(last_line(&done), same, "{b}");
         assert!(!done.stdout.contains("column  "), "no column differs: {}", done.stdout);
     }
 }
 
 #[test]
-fn summary_csv_of_a_folder_is_read() {
-    let place = slides();
+fn compare_reads_the_summary_csv_of_a_folder() {
+    let place = sliding_blocks();
     place.runner(&["s.toml", "--set", "duration=0.5", "--no-log", "-o", "b"]).exits(0);
     let text = fs::read_to_string(place.path("b/summary.csv")).unwrap();
     let x = place.summary("b").column("final_base_x")[0].to_owned();
@@ -43,27 +43,27 @@ fn summary_csv_of_a_folder_is_read() {
 }
 
 #[test]
-fn changes_beyond_tolerance_are_named_by_run_and_column() {
-    let place = slides();
+fn changes_beyond_tolerance_are_reported_by_run_and_column() {
+    let place = sliding_blocks();
     place.block("other/s.toml", &SLIDE.replace("[0.4, 0.8]", "[0.4, { static = 0.8, kinetic = 0.79 }]"));
     place.write("other/block/block.toml", fs::read(place.path("block/block.toml")).unwrap());
     place.write("other/block/block.urdf", fs::read(place.path("block/block.urdf")).unwrap());
     place.runner(&["other/s.toml", "--set", "duration=0.5", "--no-log", "-o", "b"]).exits(0);
-    // The swept values differ, so it is another run.
+    // The swept values differ, so these are different runs.
     let done = place.runner(&["compare", "a", "b"]).exits(1);
     assert!(done.stdout.contains("only in A: s floor.friction=0.8 integrator.step=0.001"), "{}", done.stdout);
     assert!(done.stdout.contains("only in B: s floor.friction={ kinetic = 0.79, static = 0.8 }"), "{}", done.stdout);
-    // By an override it is the same run with another result.
+    // With --set it is the same run with another result.
     let set = ["--set", "duration=0.5", "--set", "robot.base.linear_velocity=[1.001, 0, 0]"];
     place.runner(&[&["s.toml", "--no-log", "-o", "c"], &set[..]].concat()).exits(0);
     let done = place.runner(&["compare", "a", "c"]).exits(1);
-    assert!(last(&done).starts_with("2 runs compared (0 by their keys): different; "), "{}", done.stdout);
+    assert!(last_line(&done).starts_with("2 runs compared (0 by their keys): different; "), "{}", done.stdout);
     let cells = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
     let line = done.stdout.lines().find(|l| l.starts_with("final_base_x ")).map(cells).unwrap();
     let values = |results: &str| place.summary(results).column("final_base_x")[0].to_owned();
     assert_eq!(line[1..4], ["s", "floor.friction=0.4", "integrator.step=0.001"]);
     assert_eq!(line[4..6], [values("a"), values("c")]);
-    // v^2 / (2 mu g), 0.1 % faster.
+    // Stopping distance v^2 / (2 mu g) for 0.1 % more speed.
     let distance: f64 = line[6].parse().unwrap();
     assert!((distance - 0.002001 / (2.0 * 0.4 * 9.81)).abs() < 1e-5, "{distance}");
     let json = place.runner(&["compare", "a", "c", "--format", "json"]).exits(1);
@@ -76,7 +76,7 @@ fn changes_beyond_tolerance_are_named_by_run_and_column() {
     let allowed: Vec<String> = columns.iter().flat_map(|c| ["--threshold".into(), format!("{c}=inf")]).collect();
     let allowed: Vec<&str> = allowed.iter().map(String::as_str).collect();
     place.runner(&[&["compare", "a", "c"], &allowed[..]].concat()).exits(0);
-    // All but one.
+    // Thresholds for all columns except the first.
     let done = place.runner(&[&["compare", "a", "c", "--threshold", "final_base_x=1e-6,1e-6"], &allowed[2..]].concat());
     assert!(done.code == Some(1) || columns[0] == "final_base_x", "{}", done.stdout);
 }
@@ -84,13 +84,13 @@ fn changes_beyond_tolerance_are_named_by_run_and_column() {
 const HEADER: &str =
     "scenario,key,outcome,message,method,integrator,seed,mu,duration_s,wall_s,real_time_factor,first_slip_s";
 
-/// A summary of rows that stand below [`HEADER`].
+/// A summary: [`HEADER`] followed by these rows.
 fn summary(rows: &[&str]) -> String {
     [&[HEADER][..], rows].concat().join("\n") + "\n"
 }
 
 #[test]
-fn rows_pair_by_key_then_by_identity() {
+fn rows_are_matched_by_key_then_by_identity() {
     let place = Place::new();
     place.write(
         "a.csv",
@@ -101,19 +101,19 @@ fn rows_pair_by_key_then_by_identity() {
         summary(&["s,k3,passed,,exact,dopri5,1,0.00001,2.0,1,1,0.5", "s,k1,passed,,exact,dopri5,1,0.2,1.0,1,1,"]),
     );
     let done = place.runner(&["compare", "a.csv", "b.csv"]).exits(0);
-    assert!(last(&done).starts_with("2 runs compared (1 by their keys): within"), "{}", done.stdout);
-    // Another method, another seed and another scenario are other runs.
+    assert!(last_line(&done).starts_with("2 runs compared (1 by their keys): within"), "{}", done.stdout);
+    // A run with another method, seed or scenario is a different run.
     for other in
         ["s,k3,passed,,exact,dopri5,2,1e-5", "s,k3,passed,,one-step,dopri5,1,1e-5", "t,k2,passed,,exact,dopri5,1,1e-5"]
     {
         place.write("b.csv", summary(&[&format!("{other},2.0,1,1,0.5"), "s,k1,passed,,exact,dopri5,1,0.1,1.0,1,1,"]));
         let done = place.runner(&["compare", "a.csv", "b.csv"]).exits(1);
-        assert!(last(&done).ends_with("2 runs missing"), "{}", done.stdout);
+        assert!(last_line(&done).ends_with("2 runs missing"), "{}", done.stdout);
     }
 }
 
 #[test]
-fn outcomes_empty_cells_and_times() {
+fn outcomes_empty_cells_and_times_are_compared() {
     let place = Place::new();
     place.write("a.csv", summary(&["s,k,passed,,exact,dopri5,1,1,1.0,1.0,4.0,"]));
     let compare = |row: &str, more: &[&str]| {
@@ -131,7 +131,7 @@ fn outcomes_empty_cells_and_times() {
     compare(slow, &["--timing", "1.5"]).exits(1);
     compare("s,k,passed,,exact,dopri5,1,1,1.0,0.1,4.0,", &["--timing", "1.5"]).exits(0);
     compare("s,k,passed,,exact,dopri5,1,1,1.0,1.0,2.0,", &["--timing", "1.5"]).exits(1);
-    // A column of only one result is named, not compared.
+    // A column of only one result is reported, not compared.
     place.write(
         "c.csv",
         "scenario,key,outcome,message,method,integrator,seed,mu,steps\ns,k,passed,,exact,dopri5,1,1,7\n",
@@ -141,23 +141,23 @@ fn outcomes_empty_cells_and_times() {
 }
 
 #[test]
-fn the_last_line_of_a_run_counts() {
-    let place = slides();
+fn the_last_line_of_a_run_is_used() {
+    let place = sliding_blocks();
     place.runner(&["s.toml", "--set", "duration=0.5", "--no-log", "-o", "a"]).exits(0);
     let lines = fs::read_to_string(place.path("a/runs.jsonl")).unwrap();
     assert_eq!(lines.lines().count(), 4);
-    // The last batch was killed in the middle of a line.
+    // As if the last batch was killed while it wrote a line.
     place.write("torn.jsonl", format!("{lines}{{\"scenario\": \"s"));
     let done = place.runner(&["compare", "torn.jsonl", "a"]).exits(0);
-    assert!(last(&done).starts_with("2 runs compared: within"), "{}", done.stdout);
+    assert!(last_line(&done).starts_with("2 runs compared: within"), "{}", done.stdout);
 }
 
 #[test]
-fn unreadable_results_exit_with_2_and_empty_ones_with_4() {
-    let place = slides();
+fn unreadable_results_exit_with_2_and_empty_results_with_4() {
+    let place = sliding_blocks();
     place.write("plain.csv", "x,y\n1,2\n").write("bad.jsonl", "{\n{}\n").write("bad.parquet", "none").write("e/x", "");
     place.write("empty.jsonl", "");
-    for (arguments, words) in [
+    for (arguments, text) in [
         (&["a", "nowhere"][..], "no such file or folder"),
         (&["a", "s.toml"], "neither a folder of results"),
         (&["a", "e"], "a folder without results"),
@@ -166,13 +166,13 @@ fn unreadable_results_exit_with_2_and_empty_ones_with_4() {
         (&["a", "bad.parquet"], "bad.parquet: "),
         (&["a", "a", "--threshold", "final_base_q=1"], "did you mean `final_base_"),
         (&["a", "a", "--threshold", "final_base_x"], "COLUMN=ABS[,REL]"),
-        (&["a", "a", "--threshold", "final_base_x=-1"], "a number of 0 or more is wanted"),
+        (&["a", "a", "--threshold", "final_base_x=-1"], "expected a number of at least 0"),
         (&["a", "a", "--threshold", "method=1"], "neither result has a numeric column `method`"),
-        (&["a", "a", "--timing", "0.5"], "a number of 1 or more is wanted"),
+        (&["a", "a", "--timing", "0.5"], "expected a number of at least 1"),
         (&["a"], "required"),
     ] {
         let done = place.runner(&[&["compare"], arguments].concat()).exits(2);
-        assert!(done.stderr.contains(words), "{arguments:?}: {}", done.stderr);
+        assert!(done.stderr.contains(text), "{arguments:?}: {}", done.stderr);
     }
     let done = place.runner(&["compare", "empty.jsonl", "empty.jsonl"]).exits(4);
     assert!(done.stderr.contains("nothing to compare"), "{}", done.stderr);

@@ -1,4 +1,4 @@
-//! `list`, `check`, `inspect`, `schema`, and changes by `--set`.
+//! Tests of `list`, `check`, `inspect`, `schema` and `--set`.
 
 use std::io::Read;
 use std::process::Stdio;
@@ -9,7 +9,7 @@ const SWEEP: &str =
     "[sweep]\ngrid = { \"contact.method\" = [\"exact\", \"one-step\"], \"floor.friction\" = [0.2, 0.4] }\n";
 
 #[test]
-fn list_tells_the_runs_in_three_ways() {
+fn list_prints_the_runs_in_three_formats() {
     let place = Place::new();
     place.block("rest.toml", "").block("slide.toml", SWEEP);
     let arguments = |format| ["list", "--format", format, "rest.toml", "slide.toml"];
@@ -34,7 +34,7 @@ fn list_tells_the_runs_in_three_ways() {
 }
 
 #[test]
-fn repetitions_are_told_apart_by_their_seeds() {
+fn list_distinguishes_repetitions_by_seed() {
     let place = Place::new();
     place.block("s.toml", "[sweep]\nrepeat = 3\n");
     let text = place.runner(&["list", "s.toml"]).exits(0).stdout;
@@ -43,7 +43,7 @@ fn repetitions_are_told_apart_by_their_seeds() {
 }
 
 #[test]
-fn check_counts_and_writes_nothing() {
+fn check_counts_runs_and_writes_no_files() {
     let place = Place::new();
     place.block("in/rest.toml", "").block("in/slide.toml", SWEEP).write("in/notes.md", "not a scenario");
     for name in ["rest", "slide"] {
@@ -68,13 +68,13 @@ fn set_replaces_values_and_fixes_swept_ones() {
     let plain = list(&[]);
     let fixed = list(&["--set", "contact.method=one-step"]);
     assert_eq!(fixed.column("contact.method"), ["one-step", "one-step"]);
-    assert_eq!(fixed.column("key"), &plain.column("key")[2..], "the same runs by another way");
+    assert_eq!(fixed.column("key"), &plain.column("key")[2..], "--set selects runs with the same keys");
     let other = list(&["--set", "contact.method=one-step", "--set", "duration=1.5"]);
     assert_ne!(other.column("key"), fixed.column("key"));
 }
 
 #[test]
-fn inspect_describes_robots_and_refuses_what_is_none() {
+fn inspect_describes_robots_and_refuses_other_files() {
     let place = Place::new();
     let done = place.runner(&["inspect", "block/block.toml"]).exits(0);
     assert!(done.stdout.starts_with("robot block\n"), "{}", done.stdout);
@@ -89,7 +89,7 @@ fn inspect_describes_robots_and_refuses_what_is_none() {
 }
 
 #[test]
-fn schemas_are_those_of_the_formats() {
+fn schema_prints_the_schemas_of_the_library() {
     let place = Place::new();
     let schema = |format| -> serde_json::Value {
         serde_json::from_str(&place.runner(&["schema", format]).exits(0).stdout).unwrap()
@@ -103,7 +103,7 @@ fn schemas_are_those_of_the_formats() {
 }
 
 #[test]
-fn help_names_what_exists_and_nothing_else() {
+fn help_lists_exactly_the_existing_commands() {
     let place = Place::new();
     let help = place.runner(&["--help"]).exits(0).stdout;
     let commands: Vec<&str> = help
@@ -113,14 +113,14 @@ fn help_names_what_exists_and_nothing_else() {
         .take_while(|l| !l.is_empty())
         .filter_map(|l| l.split_whitespace().next())
         .collect();
-    let wanted = "run check list inspect report merge submit compare export replay motor-server console view schema completions man help";
-    assert_eq!(commands.join(" "), wanted);
+    let expected = "run check list inspect report merge submit compare export replay motor-server console view schema completions man help";
+    assert_eq!(commands.join(" "), expected);
 }
 
 #[test]
-fn a_reader_that_leaves_early_is_no_trouble() {
+fn a_closed_output_pipe_is_no_error() {
     let place = Place::new();
-    // More text than a pipe holds, so that writing meets the closed end.
+    // More text than a pipe buffers, so the program writes to the closed pipe.
     place.block("s.toml", "[sweep]\nrepeat = 3000\n");
     let mut child = place.command(&["list", "s.toml"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let mut first = [0; 10];

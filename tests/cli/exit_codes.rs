@@ -1,16 +1,16 @@
-//! Exit codes, one by one.
+//! Tests of each exit code.
 
 use super::Place;
 
 #[test]
-fn all_is_well_is_0() {
+fn a_passed_run_exits_with_0() {
     let place = Place::new();
     place.block("rest.toml", "");
     place.runner(&["--set", "duration=0.1", "rest.toml"]).exits(0);
 }
 
 #[test]
-fn a_broken_expectation_is_1() {
+fn a_broken_expectation_exits_with_1() {
     let place = Place::new();
     place.block("rest.toml", "[[expect]]\nmetric = \"final_base_z\"\nmin = 1.0\n");
     let done = place.runner(&["--set", "duration=0.1", "rest.toml"]).exits(1);
@@ -21,7 +21,7 @@ fn a_broken_expectation_is_1() {
 }
 
 #[test]
-fn a_fall_is_no_failure_unless_an_expectation_says_so() {
+fn a_fall_is_a_failure_only_against_an_expectation() {
     let place = Place::new();
     // The block's base is 5 cm above the floor.
     place.block("low.toml", "[stop]\nfallen = { below = 1.0 }\n");
@@ -33,7 +33,7 @@ fn a_fall_is_no_failure_unless_an_expectation_says_so() {
 }
 
 #[test]
-fn wrong_usage_is_2() {
+fn wrong_usage_exits_with_2() {
     let place = Place::new();
     place.block("rest.toml", "");
     let wrong: &[&[&str]] = &[
@@ -54,35 +54,35 @@ fn wrong_usage_is_2() {
     ];
     for arguments in wrong {
         let done = place.runner(arguments).exits(2);
-        assert!(!done.stderr.is_empty(), "{arguments:?} says nothing");
+        assert!(!done.stderr.is_empty(), "{arguments:?} prints no error");
         assert!(!place.path("results").exists(), "{arguments:?} wrote");
     }
 }
 
 #[test]
-fn numbers_that_make_no_sense_are_told_what_is_wanted() {
+fn invalid_numbers_are_refused_with_the_valid_range() {
     let place = Place::new();
     place.block("rest.toml", "");
-    for (arguments, wanted) in [
-        (&["rest.toml", "--jobs", "0"][..], "a whole number of 1 or more is wanted"),
-        (&["rest.toml", "-j", "-2"], "a whole number of 1 or more is wanted"),
-        (&["rest.toml", "--max-fail", "-1"], "a whole number of 1 or more is wanted"),
-        (&["rest.toml", "--max-runs", "0"], "a whole number of 1 or more is wanted"),
-        (&["rest.toml", "--timeout", "-1"], "a number of seconds above 0 is wanted"),
-        (&["rest.toml", "--slow", "soon"], "a number of seconds above 0 is wanted"),
-        (&["replay", "x", "--timeout", "-1"], "a number of seconds above 0 is wanted"),
-        (&["view", "x", "--rate", "-1"], "a number above 0 is wanted"),
-        (&["export", "x", "--rate", "-1"], "a number above 0 is wanted"),
-        (&["compare", "a", "b", "--absolute", "-1"], "a number of 0 or more is wanted"),
-        (&["compare", "a", "b", "--timing", "-1"], "a number of 1 or more is wanted"),
+    for (arguments, expected) in [
+        (&["rest.toml", "--jobs", "0"][..], "expected a whole number of at least 1"),
+        (&["rest.toml", "-j", "-2"], "expected a whole number of at least 1"),
+        (&["rest.toml", "--max-fail", "-1"], "expected a whole number of at least 1"),
+        (&["rest.toml", "--max-runs", "0"], "expected a whole number of at least 1"),
+        (&["rest.toml", "--timeout", "-1"], "expected a number of seconds greater than 0"),
+        (&["rest.toml", "--slow", "soon"], "expected a number of seconds greater than 0"),
+        (&["replay", "x", "--timeout", "-1"], "expected a number of seconds greater than 0"),
+        (&["view", "x", "--rate", "-1"], "expected a number greater than 0"),
+        (&["export", "x", "--rate", "-1"], "expected a number greater than 0"),
+        (&["compare", "a", "b", "--absolute", "-1"], "expected a number of at least 0"),
+        (&["compare", "a", "b", "--timing", "-1"], "expected a number of at least 1"),
     ] {
         let done = place.runner(arguments).exits(2);
-        assert!(done.stderr.contains(wanted), "{arguments:?}: {}", done.stderr);
+        assert!(done.stderr.contains(expected), "{arguments:?}: {}", done.stderr);
     }
 }
 
 #[test]
-fn a_misspelt_command_is_told_from_a_missing_file() {
+fn a_misspelt_command_is_distinguished_from_a_missing_file() {
     let place = Place::new();
     place.block("rest.toml", "");
     let done = place.runner(&["chekc", "rest.toml"]).exits(2);
@@ -92,9 +92,9 @@ fn a_misspelt_command_is_told_from_a_missing_file() {
 }
 
 #[test]
-fn a_run_that_does_not_finish_is_3() {
+fn a_diverged_run_exits_with_3() {
     let place = Place::new();
-    // Beyond 1e6 m/s nothing is sensible.
+    // Speeds beyond 1e6 m/s count as divergence.
     place.block("fast.toml", "base = { linear_velocity = [1e7, 0, 0] }\n");
     place.runner(&["fast.toml"]).exits(3);
     assert_eq!(place.summary("results").column("outcome"), ["diverged"]);
@@ -103,7 +103,7 @@ fn a_run_that_does_not_finish_is_3() {
 }
 
 #[test]
-fn a_run_out_of_time_is_3_and_hurts_no_other() {
+fn a_timed_out_run_exits_with_3_and_other_runs_continue() {
     let place = Place::new();
     place.block("long.toml", "[log]\nrate = 0\n[sweep]\ngrid = { duration = [1e9, 0.1] }\n");
     let done = place.runner(&["long.toml", "--timeout", "0.2", "-j", "1"]).exits(3);
@@ -111,16 +111,18 @@ fn a_run_out_of_time_is_3_and_hurts_no_other() {
     assert_eq!(summary.column("outcome"), ["timed-out", "passed"], "{}", done.stderr);
     assert_eq!(summary.column("message")[0], "not at its end after 0.2 s of wall-clock time");
     let wall = summary.numbers("wall_s")[0];
-    // It cannot end before its time; how much later depends on how busy the machine is.
+    // The run cannot end before the time limit. The delay after it depends on the load of the
+    // machine.
     assert!(wall >= 0.2, "ended after {wall} s");
     let simulated = summary.numbers("duration_s")[0];
-    assert!(simulated > 0.0 && simulated < 1e9, "what was reached is kept: {simulated}");
+    assert!(simulated > 0.0 && simulated < 1e9, "the state at the time limit is kept: {simulated}");
 }
 
 #[test]
-fn a_run_out_of_time_while_its_script_is_loaded_is_timed_out() {
+fn a_time_limit_applies_while_a_script_is_loaded() {
     let place = Place::new();
-    // Nine tenths of what a script may do before its end of definitions, some tenths of a second.
+    // Nine tenths of the instructions that a script may use while it is loaded: some tenths of a
+    // second.
     place.write("slow.luau", "for i = 1, 9e5 do local x = {} end\nfunction run() return {} end\n");
     place.block("slow.toml", "[[force]]\ntype = \"script\"\nfile = \"slow.luau\"\n");
     let done = place.runner(&["slow.toml", "--timeout", "0.001"]).exits(3);
@@ -130,7 +132,7 @@ fn a_run_out_of_time_while_its_script_is_loaded_is_timed_out() {
 }
 
 #[test]
-fn nothing_selected_is_4() {
+fn an_empty_selection_exits_with_4() {
     let place = Place::new();
     place.write("empty/read.me", "no scenario");
     for arguments in [&["empty"][..], &["run", "empty"], &["check", "empty"], &["list", "empty"]] {
@@ -141,7 +143,7 @@ fn nothing_selected_is_4() {
 }
 
 #[test]
-fn after_the_first_failure_fail_fast_starts_nothing() {
+fn fail_fast_starts_no_run_after_the_first_failure() {
     let place = Place::new();
     place.block(
         "sweep.toml",
@@ -153,66 +155,66 @@ fn after_the_first_failure_fail_fast_starts_nothing() {
 }
 
 #[test]
-fn max_fail_stops_after_so_many() {
+fn max_fail_stops_after_that_many_failures() {
     let place = Place::new();
     place.block(
         "sweep.toml",
         "[[expect]]\nmetric = \"duration_s\"\nmax = 0.01\n[sweep]\ngrid = { duration = [0.02, 0.005, 0.03, 0.04, 0.05] }\n",
     );
-    let outcomes = |most: &str| {
-        let done = place.runner(&["sweep.toml", "--max-fail", most, "-j", "1", "-o", most]).exits(1);
-        let outcomes: Vec<String> = place.summary(most).column("outcome").into_iter().map(str::to_owned).collect();
+    let outcomes = |max_fail: &str| {
+        let done = place.runner(&["sweep.toml", "--max-fail", max_fail, "-j", "1", "-o", max_fail]).exits(1);
+        let outcomes: Vec<String> = place.summary(max_fail).column("outcome").into_iter().map(str::to_owned).collect();
         (outcomes, done.stdout.lines().find(|line| line.ends_with("not started")).map(str::to_owned))
     };
-    let said = |text: &str| Some(text.to_owned());
-    assert_eq!(outcomes("1"), (vec!["failed".into()], said("4 runs not started")));
+    let some = |text: &str| Some(text.to_owned());
+    assert_eq!(outcomes("1"), (vec!["failed".into()], some("4 runs not started")));
     assert_eq!(
         outcomes("3"),
-        (["failed", "passed", "failed", "failed"].map(String::from).into(), said("1 run not started"))
+        (["failed", "passed", "failed", "failed"].map(String::from).into(), some("1 run not started"))
     );
-    assert_eq!(outcomes("4").1, None, "the last one was running already");
+    assert_eq!(outcomes("4").1, None, "the last run had started already");
     place.runner(&["sweep.toml", "--max-fail", "0"]).exits(2);
     place.runner(&["sweep.toml", "--max-fail", "2", "--fail-fast"]).exits(2);
 }
 
 #[test]
-fn strict_takes_warnings_for_errors() {
+fn strict_treats_warnings_as_errors() {
     let place = Place::new();
-    // A push that begins after the run's end is legal and hardly meant.
+    // A push that begins after the end of the run is valid, but probably unintended.
     place.block(
         "warned.toml",
         "[[force]]\ntype = \"push\"\nlink = \"block\"\nforce = [1, 0, 0]\nstart = 9.0\nduration = 0.1\n",
     );
-    let plain = place.runner(&["check", "warned.toml"]).exits(0);
-    assert!(plain.stderr.contains("warning"), "{}", plain.stderr);
+    let lenient = place.runner(&["check", "warned.toml"]).exits(0);
+    assert!(lenient.stderr.contains("warning"), "{}", lenient.stderr);
     place.runner(&["check", "--strict", "warned.toml"]).exits(2);
     place.runner(&["run", "--strict", "warned.toml"]).exits(2);
     assert!(!place.path("results").exists());
 
-    // So it is if only the reference ends before.
+    // The same holds if only the reference ends before the push.
     place.block(
         "shorter.toml",
         "[[force]]\ntype = \"push\"\nlink = \"block\"\nforce = [1, 0, 0]\nstart = 2.0\nduration = 0.1\n\
          [compare]\nreference = { duration = 1.0 }\n",
     );
-    let plain = place.runner(&["check", "shorter.toml"]).exits(0);
-    assert!(plain.stderr.contains("starts at 2 s, but the run ends at 1 s"), "{}", plain.stderr);
-    assert!(plain.stderr.contains("this is so in the reference run"), "{}", plain.stderr);
+    let lenient = place.runner(&["check", "shorter.toml"]).exits(0);
+    assert!(lenient.stderr.contains("starts at 2 s, but the run ends at 1 s"), "{}", lenient.stderr);
+    assert!(lenient.stderr.contains("this concerns the reference run"), "{}", lenient.stderr);
     place.runner(&["check", "--strict", "shorter.toml"]).exits(2);
 
     // A robot's warnings count as well.
     let urdf = std::fs::read_to_string(place.path("block/block.urdf")).unwrap();
     let no_mesh = urdf.replacen("<box size=\"0.2 0.2 0.1\"/>", "<mesh filename=\"none.stl\"/>", 1);
     place.block("rest.toml", "").write("block/block.urdf", no_mesh);
-    let plain = place.runner(&["check", "rest.toml"]).exits(0);
-    assert!(plain.stderr.contains("block/block.urdf:"), "{}", plain.stderr);
+    let lenient = place.runner(&["check", "rest.toml"]).exits(0);
+    assert!(lenient.stderr.contains("block/block.urdf:"), "{}", lenient.stderr);
     place.runner(&["check", "--strict", "rest.toml"]).exits(2);
 }
 
 #[test]
-fn a_run_whose_events_do_not_end_is_3_and_says_why() {
+fn a_stalled_run_exits_with_3_and_a_reason() {
     let place = Place::new();
-    // Twenty nanometres above the floor and without loss: a bounce takes 0.13 ms.
+    // Twenty nanometres above the floor and without loss, one bounce takes 0.13 ms.
     place.block(
         "bounce.toml",
         "base = { position = [0, 0, 0.05000002] }\n[contact]\nrestitution = 1.0\nvelocity_tolerance = 1e-9\n",
@@ -225,7 +227,7 @@ fn a_run_whose_events_do_not_end_is_3_and_says_why() {
         "{:?}",
         summary.column("message")
     );
-    // Who expects it is content.
+    // With a matching expectation the batch passes.
     place.block(
         "expected.toml",
         "base = { position = [0, 0, 0.05000002] }\n[contact]\nrestitution = 1.0\nvelocity_tolerance = 1e-9

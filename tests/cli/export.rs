@@ -1,4 +1,4 @@
-//! `export`: time series of a log as tables, through the program, read back by another library where there is one.
+//! Tests of `export`: tables of a log, read back with other libraries where possible.
 
 use std::fs;
 use std::path::PathBuf;
@@ -14,8 +14,8 @@ use super::{Done, Place, Table};
 const FALL: &str =
     "base = { position = [0, 0, 0.2], linear_velocity = [1, 0, 0] }\n[floor]\nfriction = 0.3\n[log]\nrate = 100\n";
 
-/// A finished run; its folder from the place.
-fn ran(duration: f64) -> (Place, String) {
+/// A finished run and its relative folder.
+fn finished_run(duration: f64) -> (Place, String) {
     let place = Place::new();
     place.write("fall.toml", format!("duration = {duration}\n[robot]\nmodel = \"block/block.toml\"\n{FALL}"));
     place.runner(&["fall.toml"]).exits(0);
@@ -33,12 +33,12 @@ fn frame(path: PathBuf) -> DataFrame {
 }
 
 #[test]
-fn csv_holds_the_log_to_the_last_bit() {
-    let (place, folder) = ran(0.6);
-    let said = place.runner(&["export", &folder, "-o", "out/all.csv"]).exits(0);
-    assert_eq!(said.stdout, "");
+fn csv_contains_the_log_to_the_last_bit() {
+    let (place, folder) = finished_run(0.6);
+    let done = place.runner(&["export", &folder, "-o", "out/all.csv"]).exits(0);
+    assert_eq!(done.stdout, "");
     let table = Table::read(&place.path("out/all.csv"));
-    assert!(said.stderr.contains(&format!("{} columns, 61 rows", table.header.len())), "{}", said.stderr);
+    assert!(done.stderr.contains(&format!("{} columns, 61 rows", table.header.len())), "{}", done.stderr);
     let log = log(&place, &folder);
     let (motion, sole) = (log.motion.unwrap(), &log.soles.unwrap()[0]);
     let same = |name: &str, expected: Vec<f64>| {
@@ -61,8 +61,8 @@ fn csv_holds_the_log_to_the_last_bit() {
     // In flight there is no centre of pressure, and the cell is empty.
     let empty: Vec<bool> = table.column("cop_x_m").iter().map(|c| c.is_empty()).collect();
     assert_eq!(empty, motion.cop.iter().map(Option::is_none).collect::<Vec<_>>());
-    assert!(empty[0] && !empty[60], "it falls, and lands");
-    // Without a file the same goes to standard output.
+    assert!(empty[0] && !empty[60], "the block falls and lands");
+    // Without a file the table goes to standard output.
     assert_eq!(
         place.runner(&["export", &folder]).exits(0).stdout,
         fs::read_to_string(place.path("out/all.csv")).unwrap()
@@ -70,8 +70,8 @@ fn csv_holds_the_log_to_the_last_bit() {
 }
 
 #[test]
-fn parquet_holds_the_same_table() {
-    let (place, folder) = ran(0.3);
+fn parquet_contains_the_same_table() {
+    let (place, folder) = finished_run(0.3);
     place.runner(&["export", &format!("{folder}/log.mcap"), "-o", "all.parquet"]).exits(0);
     place.runner(&["export", &folder, "-o", "all.csv"]).exits(0);
     let (csv, parquet) = (Table::read(&place.path("all.csv")), frame(place.path("all.parquet")));
@@ -95,8 +95,8 @@ fn parquet_holds_the_same_table() {
 }
 
 #[test]
-fn a_rate_interpolates_numbers_and_holds_words() {
-    let (place, folder) = ran(0.6);
+fn resampling_interpolates_numbers_and_holds_text() {
+    let (place, folder) = finished_run(0.6);
     let log = log(&place, &folder);
     let (motion, sole) = (log.motion.unwrap(), &log.soles.unwrap()[0]);
     let columns = "base_z_m,sole.*.state,cop_x_m";
@@ -108,17 +108,18 @@ fn a_rate_interpolates_numbers_and_holds_words() {
     assert_eq!(half.rows.len(), 31);
     let expected: Vec<f64> = motion.base_position.iter().step_by(2).map(|p| p.z).collect();
     assert_eq!(half.numbers("base_z_m"), expected);
-    // Four times: ticks, and between them the line; words are those of the tick before.
+    // Four times the rate: linear interpolation between ticks, and text from the preceding tick.
     let fourfold = at("400");
     assert_eq!(fourfold.rows.len(), 241);
     let (z, state) = (fourfold.numbers("base_z_m"), fourfold.column(&format!("sole.{}.state", sole.name)));
     for (k, z) in z.iter().enumerate() {
         let (i, s) = (k / 4, (k % 4) as f64 / 4.0);
         let (a, b) = (motion.base_position[i].z, motion.base_position.get(i + 1).map_or(0.0, |p| p.z));
-        // Error: the time of a tick and k / rate differ by a rounding, 1e-16 of 0.01 s in the fraction.
+        // Error: the time of a tick and k / rate differ by a rounding, 1e-16 of 0.01 s in the
+        // fraction.
         let expected = if s == 0.0 { a } else { a + s * (b - a) };
         assert!((z - expected).abs() < 1e-13, "{k}");
-        assert!(s != 0.0 || *z == a, "at a tick the log's own value");
+        assert!(s != 0.0 || *z == a, "at a tick the value of the log");
         assert_eq!(state[k], sole.state[i], "{k}");
     }
     let times = fourfold.numbers("time_s");
@@ -126,9 +127,10 @@ fn a_rate_interpolates_numbers_and_holds_words() {
 }
 
 #[test]
-fn an_orientation_turns_on_the_shortest_arc() {
+fn orientations_are_interpolated_on_the_shortest_arc() {
     let place = Place::new();
-    // Free spin about z at 40 rad/s, no floor near: at 100 Hz a tick is 0.4 rad, and the yaw runs through +-pi.
+    // Free spin about z at 40 rad/s, far from the floor. At 100 Hz a tick is 0.4 rad, and the yaw
+    // crosses +-pi.
     let spin = "base = { position = [0, 0, 9], angular_velocity = [0, 0, 40] }\n[log]\nrate = 100\n";
     place.write(
         "spin.toml",
@@ -144,7 +146,8 @@ fn an_orientation_turns_on_the_shortest_arc() {
     for (k, (t, yaw)) in table.numbers("time_s").iter().zip(table.numbers("base_yaw_rad")).enumerate() {
         let turn = 40.0 * t;
         let error = (yaw - turn + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
-        // A steady turn lies on the arc; what is left is the integration's error, 1e-6 of a turn of 12 rad.
+        // A steady rotation follows the arc. The remaining error is that of the integration, 1e-6
+        // of 12 rad.
         assert!(error.abs() < 2e-5, "{t}: {yaw} for {turn}");
         let norm: f64 = columns.iter().map(|c| c[k] * c[k]).sum();
         assert!((norm - 1.0).abs() < 1e-12, "{norm}");
@@ -152,8 +155,8 @@ fn an_orientation_turns_on_the_shortest_arc() {
 }
 
 #[test]
-fn columns_are_chosen_in_order_and_listed() {
-    let (place, folder) = ran(0.1);
+fn columns_are_selected_in_the_given_order_and_listed() {
+    let (place, folder) = finished_run(0.1);
     let listed = place.runner(&["export", &folder, "--list-columns"]).exits(0).stdout;
     let listed: Vec<&str> = listed.lines().collect();
     let all = Table::parse(&place.runner(&["export", &folder]).exits(0).stdout);
@@ -170,8 +173,8 @@ fn columns_are_chosen_in_order_and_listed() {
 }
 
 #[test]
-fn limits_of_time_are_included() {
-    let (place, folder) = ran(0.6);
+fn time_limits_are_inclusive() {
+    let (place, folder) = finished_run(0.6);
     let times = |arguments: &[&str]| {
         let all = [&["export", &folder, "--columns", "base_z_m"], arguments].concat();
         Table::parse(&place.runner(&all).exits(0).stdout).numbers("time_s")
@@ -186,8 +189,8 @@ fn limits_of_time_are_included() {
 }
 
 #[test]
-fn text_for_gnuplot_is_as_it_was_asked_for() {
-    let (place, folder) = ran(0.6);
+fn gnuplot_text_follows_its_options() {
+    let (place, folder) = finished_run(0.6);
     let text = |arguments: &[&str]| {
         let all = [&["export", &folder, "--format", "gnuplot", "--columns", "base_z_m,cop_x_m"], arguments].concat();
         place.runner(&all).exits(0).stdout
@@ -199,7 +202,7 @@ fn text_for_gnuplot_is_as_it_was_asked_for() {
     assert_eq!(lines.len(), 62);
     assert_eq!(lines[1], format!("{:?} {:?} NaN", times[0], motion.base_position[0].z));
     assert_eq!(lines[61], format!("{:?} {:?} {:?}", times[60], motion.base_position[60].z, motion.cop[60].unwrap().x));
-    let formed = text(&[
+    let formatted = text(&[
         "--separator",
         "semicolon",
         "--numbers",
@@ -211,14 +214,14 @@ fn text_for_gnuplot_is_as_it_was_asked_for() {
         "--missing",
         "?",
     ]);
-    let lines: Vec<&str> = formed.lines().collect();
+    let lines: Vec<&str> = formatted.lines().collect();
     assert_eq!(lines[..2], ["% time_s;base_z_m;cop_x_m", "+0.000e+00;+2.000e-01;?"]);
     let bare =
         text(&["--header", "none", "--separator", "tab", "--time-unit", "ms", "--to", "0.02", "--numbers", "%.0f"]);
     assert_eq!(bare, "0\t0\tNaN\n10\t0\tNaN\n20\t0\tNaN\n");
     assert!(text(&["--time-unit", "ms"]).starts_with("time_ms base_z_m"));
     assert!(text(&["--time-unit", "min", "--header", "none", "--from", "0.6"]).starts_with("0.01 "));
-    // By the file's ending, and by an option of this format alone.
+    // The format follows from the file extension or from an option of this format.
     place.runner(&["export", &folder, "-o", "fall.dat", "--columns", "base_z_m,cop_x_m"]).exits(0);
     assert_eq!(fs::read_to_string(place.path("fall.dat")).unwrap(), plain);
     let by_option = place.runner(&["export", &folder, "--columns", "base_z_m,cop_x_m", "--header", "plain"]).exits(0);
@@ -226,8 +229,8 @@ fn text_for_gnuplot_is_as_it_was_asked_for() {
 }
 
 #[test]
-fn a_block_begins_where_its_column_changes() {
-    let (place, folder) = ran(0.6);
+fn a_gnuplot_block_begins_where_its_column_changes() {
+    let (place, folder) = finished_run(0.6);
     let states = log(&place, &folder).soles.unwrap()[0].state.clone();
     let state =
         Table::parse(&place.runner(&["export", &folder, "--columns", "*.state"]).exits(0).stdout).header[1].clone();
@@ -250,8 +253,8 @@ fn a_block_begins_where_its_column_changes() {
 }
 
 #[test]
-fn events_are_a_table_too() {
-    let (place, folder) = ran(0.6);
+fn events_are_exported_as_a_table() {
+    let (place, folder) = finished_run(0.6);
     let events = log(&place, &folder).events;
     let table = Table::parse(&place.runner(&["export", &folder, "--events"]).exits(0).stdout);
     assert_eq!(table.header, ["time_s", "kind", "subject", "message"]);
@@ -259,25 +262,25 @@ fn events_are_a_table_too() {
     assert_eq!(table.column("kind"), events.iter().map(|e| e.kind.as_str()).collect::<Vec<_>>());
     assert!(table.column("kind").contains(&"touchdown"));
     let early = place.runner(&["export", &folder, "--events", "--to", "0.01"]).exits(0).stdout;
-    assert_eq!(early, "time_s,kind,subject,message\n", "before the landing nothing happens");
+    assert_eq!(early, "time_s,kind,subject,message\n", "no events before the landing");
 }
 
-/// Refused, with exit code 2 and these words.
+/// Asserts that the arguments are refused with exit code 2 and this text.
 #[track_caller]
-fn refused(place: &Place, arguments: &[&str], words: &str) -> Done {
+fn refused(place: &Place, arguments: &[&str], text: &str) -> Done {
     let done = place.runner(&[&["export"], arguments].concat()).exits(2);
-    assert!(done.stderr.contains(words), "{words:?} in\n{}", done.stderr);
+    assert!(done.stderr.contains(text), "{text:?} in\n{}", done.stderr);
     assert_eq!(done.stdout, "");
     done
 }
 
 #[test]
-fn what_cannot_be_exported_is_said() {
-    let (place, folder) = ran(0.1);
+fn invalid_exports_are_refused_with_a_reason() {
+    let (place, folder) = finished_run(0.1);
     let f = folder.as_str();
     place.write("text.mcap", "time,x\n");
     refused(&place, &["none.mcap"], "none.mcap: No such file");
-    refused(&place, &["text.mcap"], "text.mcap: no log of this program: it does not begin as an MCAP file does");
+    refused(&place, &["text.mcap"], "text.mcap: not a log of this program: it does not begin as an MCAP file does");
     refused(&place, &["."], "there is no log.mcap in it");
     let bytes = fs::read(place.path(f).join("log.mcap")).unwrap();
     place.write("cut.mcap", &bytes[..bytes.len() / 2]);
@@ -285,17 +288,17 @@ fn what_cannot_be_exported_is_said() {
     refused(&place, &[f, "--columns", "base_zz_m"], "unknown column `base_zz_m`: did you mean `base_z_m`?");
     refused(&place, &[f, "--columns", "joint.*"], "unknown column `joint.*`: no column matches");
     refused(&place, &[f, "--blocks", "base_q"], "unknown column `base_q`: did you mean `base_q");
-    refused(&place, &[f, "-o", "x.xlsx"], "x.xlsx: the ending says no format: .csv, .parquet, .dat and .txt");
-    refused(&place, &[f, "-o", "noending"], "the ending says no format");
+    refused(&place, &[f, "-o", "x.xlsx"], "x.xlsx: unknown file extension: use .csv, .parquet, .dat or .txt");
+    refused(&place, &[f, "-o", "noending"], "unknown file extension");
     refused(&place, &[f, "--format", "parquet"], "Parquet is no text: name a file");
     refused(&place, &[f, "-o", "x.csv", "--separator", "tab"], "are of `--format gnuplot`");
     refused(&place, &[f, "--from", "7"], "nothing to export from 7 s to 0.1 s: the log reaches from 0 s to 0.1 s");
-    refused(&place, &[f, "--rate", "0"], "a number above 0 is wanted");
-    refused(&place, &[f, "--rate", "fast"], "a number above 0 is wanted");
+    refused(&place, &[f, "--rate", "0"], "expected a number greater than 0");
+    refused(&place, &[f, "--rate", "fast"], "expected a number greater than 0");
     refused(&place, &[f, "--rate", "1e15"], "is too high");
-    refused(&place, &[f, "--to", "inf"], "a finite number is wanted");
-    refused(&place, &[f, "--numbers", "%d"], "`%d` is no number format");
-    refused(&place, &[f, "--separator", "1"], "taken for a part of a cell");
+    refused(&place, &[f, "--to", "inf"], "expected a finite number");
+    refused(&place, &[f, "--numbers", "%d"], "`%d` is not a number format");
+    refused(&place, &[f, "--separator", "1"], "could be part of a cell");
     refused(&place, &[f, "--comment", " "], "must not be empty and must not contain blanks");
     refused(&place, &[f, "--events", "--rate", "3"], "cannot be used with");
     let own = format!("{f}/log.mcap");
@@ -307,12 +310,12 @@ fn what_cannot_be_exported_is_said() {
 }
 
 #[test]
-fn nothing_half_written_is_left() {
-    let (place, folder) = ran(0.1);
+fn a_failed_export_leaves_no_partial_file() {
+    let (place, folder) = finished_run(0.1);
     place.write("out/kept.csv", "old");
     refused(&place, &[&folder, "-o", "out/kept.csv", "--columns", "nothing"], "unknown column");
     assert_eq!(fs::read_to_string(place.path("out/kept.csv")).unwrap(), "old");
-    // A folder stands where the file should go.
+    // A folder has the path of the output file.
     fs::create_dir(place.path("out/folder.csv")).unwrap();
     refused(&place, &[&folder, "-o", "out/folder.csv"], "folder.csv");
     let mut left: Vec<_> = fs::read_dir(place.path("out")).unwrap().map(|e| e.unwrap().file_name()).collect();
@@ -323,7 +326,7 @@ fn nothing_half_written_is_left() {
 }
 
 #[test]
-fn a_log_without_series_has_events_only() {
+fn a_log_without_time_series_exports_events_only() {
     let place = Place::new();
     place.write("s.toml", format!("duration = 0.3\n[robot]\nmodel = \"block/block.toml\"\n{FALL}topics = []\n"));
     place.runner(&["s.toml"]).exits(0);

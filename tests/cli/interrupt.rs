@@ -1,4 +1,4 @@
-//! Ctrl-C: finished runs are kept.
+//! Tests of signal handling: finished runs are kept.
 #![cfg(unix)]
 
 use std::fs::File;
@@ -9,18 +9,18 @@ use std::time::{Duration, Instant};
 
 use super::{Place, Table};
 
-/// Far beyond what any step below needs, so that a hang ends the test.
+/// Limit of each wait, far beyond the normal time, so that a hang ends the test.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Waits for something that will happen.
+/// Waits until the function returns a value.
 #[track_caller]
-fn until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
+fn wait_for<T>(what: &str, mut poll: impl FnMut() -> Option<T>) -> T {
     let start = Instant::now();
     loop {
-        if let Some(found) = look() {
+        if let Some(found) = poll() {
             return found;
         }
-        assert!(start.elapsed() < PATIENCE, "{what} did not happen");
+        assert!(start.elapsed() < PATIENCE, "timeout: {what}");
         sleep(Duration::from_millis(5));
     }
 }
@@ -29,7 +29,7 @@ fn lines(path: &Path) -> usize {
     std::fs::read_to_string(path).map_or(0, |text| text.matches('\n').count())
 }
 
-/// As a terminal does on Ctrl-C.
+/// Sends the signal of Ctrl-C.
 fn interrupt(child: &Child) {
     signal(child, "INT");
 }
@@ -39,65 +39,65 @@ fn signal(child: &Child, name: &str) {
     assert!(sent.success());
 }
 
-/// A batch in the background, its standard error in the file `stderr`.
+/// Starts a batch in the background, with its standard error in the file `stderr`.
 fn start(place: &Place, arguments: &[&str]) -> Child {
     let stderr = File::create(place.path("stderr")).unwrap();
     place.command(arguments).stdout(Stdio::null()).stderr(stderr).spawn().unwrap()
 }
 
-fn said(place: &Place) -> String {
+fn stderr_text(place: &Place) -> String {
     std::fs::read_to_string(place.path("stderr")).unwrap()
 }
 
-/// As schedulers and servers do before they kill.
+/// Schedulers send SIGTERM before SIGKILL.
 #[test]
-fn to_be_terminated_is_to_be_interrupted() {
+fn sigterm_is_handled_like_ctrl_c() {
     let place = Place::new();
     place.block("s.toml", "[sweep]\nrepeat = 5000\n");
     let mut child = start(&place, &["s.toml", "--set", "duration=20", "-j", "2"]);
     let rows = place.path("results/runs.jsonl");
-    until("the first row", || (lines(&rows) > 0).then_some(()));
+    wait_for("the first row", || (lines(&rows) > 0).then_some(()));
     signal(&child, "TERM");
-    let status = until("the end", || child.try_wait().unwrap());
-    assert_eq!(status.code(), Some(143), "{}", said(&place));
-    assert!(said(&place).contains("interrupted: no more runs are started"), "{}", said(&place));
+    let status = wait_for("the end", || child.try_wait().unwrap());
+    assert_eq!(status.code(), Some(143), "{}", stderr_text(&place));
+    assert!(stderr_text(&place).contains("interrupted: no more runs are started"), "{}", stderr_text(&place));
     let outcomes = place.summary("results");
-    assert!(outcomes.column("outcome").iter().all(|outcome| *outcome == "passed"), "running ones are finished");
+    assert!(outcomes.column("outcome").iter().all(|outcome| *outcome == "passed"), "running runs are finished");
     assert_eq!(outcomes.rows.len(), lines(&rows));
 
-    // A second one cancels, whichever it is; the code is of the first.
+    // A second signal of either kind cancels. The exit code is that of the first.
     let long = ["s.toml", "--set", "duration=1e6", "--set", "log.rate=1", "-j", "2", "-o", "long"];
     let mut child = start(&place, &long);
-    // A run that has begun has its folder. Before that there would be nothing to wait for, and the end at once.
-    let begun = || std::fs::read_dir(place.path("long/s")).map_or(0, Iterator::count) > 0;
-    until("a start", || begun().then_some(()));
-    // That it is told of the first before the second comes: two signals at once are one.
+    // A started run has a folder. Before that, the first signal would end the batch at once.
+    let started = || std::fs::read_dir(place.path("long/s")).map_or(0, Iterator::count) > 0;
+    wait_for("a start", || started().then_some(()));
+    // Wait until the first signal is handled: two pending signals of one kind are merged.
     signal(&child, "TERM");
-    until("the first", || said(&place).contains("interrupted: ").then_some(()));
+    wait_for("the first", || stderr_text(&place).contains("interrupted: ").then_some(()));
     signal(&child, "TERM");
-    let status = until("the end", || child.try_wait().unwrap());
-    assert_eq!(status.code(), Some(143), "{}", said(&place));
-    assert!(said(&place).contains("interrupted again"), "{}", said(&place));
+    let status = wait_for("the end", || child.try_wait().unwrap());
+    assert_eq!(status.code(), Some(143), "{}", stderr_text(&place));
+    assert!(stderr_text(&place).contains("interrupted again"), "{}", stderr_text(&place));
 }
 
 #[test]
-fn the_first_lets_running_runs_finish_and_keeps_the_rows() {
+fn the_first_signal_lets_running_runs_finish_and_keeps_all_rows() {
     let place = Place::new();
-    // Thousands of runs of which each takes its time: no batch is over before the signal comes.
+    // Thousands of long runs: the batch cannot end before the signal.
     place.block("s.toml", "[sweep]\nrepeat = 5000\n");
     let arguments = ["s.toml", "--set", "duration=20", "-j", "2", "--junit", "junit.xml"];
     let mut child = start(&place, &arguments);
     let rows = place.path("results/runs.jsonl");
-    until("the first row", || (lines(&rows) > 0).then_some(()));
+    wait_for("the first row", || (lines(&rows) > 0).then_some(()));
     interrupt(&child);
-    let status = until("the end", || child.try_wait().unwrap());
-    assert_eq!(status.code(), Some(130), "{}", said(&place));
-    assert!(said(&place).contains("interrupted: no more runs are started"), "{}", said(&place));
+    let status = wait_for("the end", || child.try_wait().unwrap());
+    assert_eq!(status.code(), Some(130), "{}", stderr_text(&place));
+    assert!(stderr_text(&place).contains("interrupted: no more runs are started"), "{}", stderr_text(&place));
     let summary = place.summary("results");
     let finished = summary.rows.len();
     assert!((1..5000).contains(&finished), "{finished} rows");
     assert_eq!(lines(&rows), finished);
-    assert!(summary.column("outcome").iter().all(|o| *o == "passed"), "what ran was finished");
+    assert!(summary.column("outcome").iter().all(|o| *o == "passed"), "running runs are finished");
     let junit = std::fs::read_to_string(place.path("junit.xml")).unwrap();
     let skipped = 5000 - finished;
     let counts = format!("tests=\"5000\" skipped=\"{skipped}\" failures=\"0\" errors=\"0\"");
@@ -110,20 +110,20 @@ fn the_first_lets_running_runs_finish_and_keeps_the_rows() {
 }
 
 #[test]
-fn the_second_cancels_what_is_running() {
+fn the_second_signal_cancels_running_runs() {
     let place = Place::new();
     place.block("s.toml", "[log]\nrate = 1\n[sweep]\ngrid = { duration = [0.1, 1e9] }\n");
     let mut child = start(&place, &["s.toml", "-j", "1", "--junit", "junit.xml"]);
-    until("the first row", || (lines(&place.path("results/runs.jsonl")) > 0).then_some(()));
-    // The second run will not end by itself.
+    wait_for("the first row", || (lines(&place.path("results/runs.jsonl")) > 0).then_some(()));
+    // The second run practically never ends by itself.
     let folder = place.path("results/s");
-    until("the second run", || (std::fs::read_dir(&folder).unwrap().count() > 1).then_some(()));
+    wait_for("the second run", || (std::fs::read_dir(&folder).unwrap().count() > 1).then_some(()));
     interrupt(&child);
-    until("an answer", || said(&place).contains("again to cancel").then_some(()));
-    assert!(child.try_wait().unwrap().is_none(), "the running run goes on");
+    wait_for("an answer", || stderr_text(&place).contains("again to cancel").then_some(()));
+    assert!(child.try_wait().unwrap().is_none(), "the running run continues");
     interrupt(&child);
-    let status = until("the end", || child.try_wait().unwrap());
-    assert_eq!(status.code(), Some(130), "{}", said(&place));
+    let status = wait_for("the end", || child.try_wait().unwrap());
+    assert_eq!(status.code(), Some(130), "{}", stderr_text(&place));
     let summary: Table = place.summary("results");
     assert_eq!(summary.column("outcome"), ["passed", "cancelled"]);
     let junit = std::fs::read_to_string(place.path("junit.xml")).unwrap();
@@ -132,46 +132,47 @@ fn the_second_cancels_what_is_running() {
     assert!(reached > 0.0 && reached < 1e9, "{reached}");
     let log = folder.join(summary.column("key")[1]).join("log.mcap");
     let log = std::fs::read(log).unwrap();
-    let read = mcap::Summary::read(&log).unwrap().expect("a cancelled run's log is whole as a file");
+    let read = mcap::Summary::read(&log).unwrap().expect("the log of a cancelled run is a complete file");
     let end = read.metadata_indexes.iter().find(|m| m.name == "end").expect("metadata `end`");
     let end = mcap::read::metadata(&log, end).unwrap();
-    assert_eq!(end.metadata["complete"], "false", "and says that it is not all");
+    assert_eq!(end.metadata["complete"], "false", "the log is marked as incomplete");
 }
 
 #[test]
-fn timing_ends_with_the_repetition_at_hand() {
+fn timing_stops_after_the_current_repetition() {
     let place = Place::new();
     place.block("s.toml", "[compare]\ntiming_repeats = 1000000\n");
     let mut child = start(&place, &["s.toml", "--set", "duration=0.5", "-j", "1"]);
-    until("timing", || said(&place).contains("timing: repetition 3 of").then_some(()));
+    wait_for("timing", || stderr_text(&place).contains("timing: repetition 3 of").then_some(()));
     interrupt(&child);
-    let status = until("the end", || child.try_wait().unwrap());
-    assert_eq!(status.code(), Some(130), "{}", said(&place));
+    let status = wait_for("the end", || child.try_wait().unwrap());
+    assert_eq!(status.code(), Some(130), "{}", stderr_text(&place));
     let summary = place.summary("results");
     assert_eq!(summary.column("outcome"), ["passed"]);
-    assert!(summary.numbers("timing_cpu_min_s")[0] > 0.0, "what was timed is kept");
+    assert!(summary.numbers("timing_cpu_min_s")[0] > 0.0, "finished repetitions are kept");
 }
 
-/// Whoever waits for a line, from a pipe that nobody writes to or from one that stays open, can be asked to end.
+/// A session that waits for a line handles signals. The line comes from a pipe without a writer, or
+/// from one that stays open.
 #[test]
-fn a_session_that_waits_for_a_line_ends() {
+fn a_session_that_waits_for_a_line_handles_signals() {
     let place = Place::new();
     place.block("s.toml", "");
     place.shell("mkfifo pipe").exits(0);
     for (signalled, code) in [("INT", 130), ("TERM", 143)] {
         let arguments = ["console", "s.toml", "-c", "run 0.01", "-c", "save session begun.toml"];
-        // NoListener opens the pipe to write; and standard input that is open and says nothing.
+        // First a pipe without a writer, then an open standard input without data.
         for more in [["--file", "pipe"].as_slice(), &[]] {
             let _ = std::fs::remove_file(place.path("begun.toml"));
             let stderr = File::create(place.path("stderr")).unwrap();
             let mut command =
                 place.command(&[&arguments[..], &["--file", "-"][..(2 * usize::from(more.is_empty()))], more].concat());
             let mut child = command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(stderr).spawn().unwrap();
-            until("the first lines", || place.path("begun.toml").exists().then_some(()));
+            wait_for("the first lines", || place.path("begun.toml").exists().then_some(()));
             signal(&child, signalled);
-            let status = until("the end", || child.try_wait().unwrap());
-            assert_eq!(status.code(), Some(code), "{}", said(&place));
-            assert!(said(&place).ends_with("interrupted\n"), "{}", said(&place));
+            let status = wait_for("the end", || child.try_wait().unwrap());
+            assert_eq!(status.code(), Some(code), "{}", stderr_text(&place));
+            assert!(stderr_text(&place).ends_with("interrupted\n"), "{}", stderr_text(&place));
         }
     }
 }

@@ -1,4 +1,5 @@
-//! One run's panic is its own: nothing in the program panics on purpose, so here the body of a run is another.
+//! Tests that a panic ends only its own run. The program has no deliberate panic, so these
+//! tests replace the function that executes a run.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -34,8 +35,8 @@ fn run(place: &Place, plan: Plan, jobs: usize, body: &stiction::batch::Body<'_>)
     Batch::new(plan, options).unwrap().run(Progress::Silent, body).unwrap()
 }
 
-/// Opens a log as a run does and then breaks.
-fn break_down(job: &Job, log: &Path) -> RunEnd {
+/// Opens a log as a run does and then panics.
+fn log_and_panic(job: &Job, log: &Path) -> RunEnd {
     let header = LogHeader {
         scenario_name: &job.run.name,
         key: &job.key,
@@ -49,18 +50,18 @@ fn break_down(job: &Job, log: &Path) -> RunEnd {
         topics: TopicGroups::ALL,
     };
     let _writer = LogWriter::create(log, &job.robot.model, &header).unwrap();
-    let nothing: Vec<f64> = Vec::new();
-    let missing = job.index + nothing.len();
-    RunEnd { message: format!("{}", nothing[missing]), ..RunEnd::of(Outcome::Passed) }
+    let empty: Vec<f64> = Vec::new();
+    let missing = job.index + empty.len();
+    RunEnd { message: format!("{}", empty[missing]), ..RunEnd::of(Outcome::Passed) }
 }
 
 #[test]
-fn a_panic_is_an_outcome_with_words_and_place_and_the_others_go_on() {
+fn a_panic_is_an_outcome_with_message_and_location_and_the_others_continue() {
     let place = Place::new();
     let plan = plan(&place, "[sweep]\nrepeat = 8\n");
-    let body = |job: &Job, wanted: &RunOutputs, cancel: &AtomicBool| match job.index % 4 {
-        1 => break_down(job, wanted.log.as_ref().unwrap()),
-        _ => simulate(job, wanted, cancel),
+    let body = |job: &Job, outputs: &RunOutputs, cancel: &AtomicBool| match job.index % 4 {
+        1 => log_and_panic(job, outputs.log.as_ref().unwrap()),
+        _ => simulate(job, outputs, cancel),
     };
     let report = run(&place, plan, 2, &body);
     assert!(report.has_unfinished() && !report.has_failed());
@@ -72,24 +73,24 @@ fn a_panic_is_an_outcome_with_words_and_place_and_the_others_go_on() {
     let row = &report.finished[5].row;
     assert!(row.message.contains("index out of bounds: the len is 0 but the index is 5"), "{}", row.message);
     assert!(row.message.contains("tests/cli/isolation.rs:"), "{}", row.message);
-    // Its record says so, and what it logged is kept.
+    // Its record contains the panic, and its log is kept.
     let folder = place.path("results/s").join(&row.key);
     let record = RunRecord::read(&folder.join("run.json")).unwrap();
     assert_eq!((record.outcome, &record.message), (Outcome::Error, &row.message));
     let log = std::fs::read(folder.join("log.mcap")).unwrap();
-    assert!(mcap::Summary::read(&log).unwrap().is_some(), "the log is whole as a file");
+    assert!(mcap::Summary::read(&log).unwrap().is_some(), "the log is a complete file");
     let table: Table = place.summary("results");
     assert_eq!(table.rows.len(), 8);
     assert_eq!(table.column("final_base_x")[5], "NaN", "nothing was measured");
 }
 
 #[test]
-fn rows_stand_in_the_order_of_the_plan_whatever_ends_first() {
+fn rows_are_in_plan_order_regardless_of_which_run_ends_first() {
     let place = Place::new();
     let plan = plan(&place, "[sweep]\nrepeat = 6\n");
     let (sender, receiver) = std::sync::mpsc::channel::<()>();
     let (sender, receiver) = (std::sync::Mutex::new(sender), std::sync::Mutex::new(receiver));
-    // The first run waits for a word from the last, which starts when the others have ended.
+    // The first run waits for a signal from the last, which starts after the others have ended.
     let body = |job: &Job, _: &RunOutputs, _: &AtomicBool| {
         match job.index {
             0 => receiver.lock().unwrap().recv().unwrap(),
@@ -104,15 +105,15 @@ fn rows_stand_in_the_order_of_the_plan_whatever_ends_first() {
     let ended = std::fs::read_to_string(place.path("results/runs.jsonl")).unwrap();
     let seed = |line: &str| serde_json::from_str::<serde_json::Value>(line).unwrap()["seed"].as_u64().unwrap();
     let ended: Vec<u64> = ended.lines().map(seed).collect();
-    assert_eq!(ended[..4], [2, 3, 4, 5], "runs.jsonl tells the order of ending");
+    assert_eq!(ended[..4], [2, 3, 4, 5], "runs.jsonl has the order in which runs ended");
     assert_eq!(ended.len(), 6);
 }
 
 #[test]
-fn a_record_that_cannot_be_written_is_the_outcome_of_its_run() {
+fn an_unwritable_record_is_an_error_of_its_run() {
     let place = Place::new();
     let plan = plan(&place, "[sweep]\nrepeat = 2\n");
-    // Where the first run's folder should be stands a file.
+    // A file has the path of the first run's folder.
     place.write(&format!("results/s/{}", plan.key(0)), "in the way");
     let report = run(&place, plan, 1, &simulate);
     let outcomes: Vec<Outcome> = report.finished.iter().map(|f| f.row.outcome).collect();
@@ -121,14 +122,14 @@ fn a_record_that_cannot_be_written_is_the_outcome_of_its_run() {
 }
 
 #[test]
-fn a_panic_in_a_reference_leaves_its_runs_without_one() {
+fn a_panic_in_a_reference_leaves_its_runs_without_comparison() {
     let place = Place::new();
     let plan = plan(&place, "[compare]\nreference = { seed = 9 }\n[sweep]\nrepeat = 6\n");
     assert_eq!(plan.references(), 1);
-    let nothing: Vec<f64> = Vec::new();
-    let body = |job: &Job, wanted: &RunOutputs, cancel: &AtomicBool| match job.role {
-        Role::Reference => RunEnd::error(format!("{}", nothing[job.index])),
-        Role::Run { .. } => simulate(job, wanted, cancel),
+    let empty: Vec<f64> = Vec::new();
+    let body = |job: &Job, outputs: &RunOutputs, cancel: &AtomicBool| match job.role {
+        Role::Reference => RunEnd::error(format!("{}", empty[job.index])),
+        Role::Run { .. } => simulate(job, outputs, cancel),
     };
     let report = run(&place, plan, 2, &body);
     assert!(report.has_unfinished() && report.not_started == 0);
@@ -143,22 +144,23 @@ fn a_panic_in_a_reference_leaves_its_runs_without_one() {
 }
 
 #[test]
-fn no_run_starts_before_its_reference_has_ended_and_others_do_not_wait() {
+fn runs_wait_for_their_own_reference_only() {
     let place = Place::new();
-    // Two groups with a reference each; the first reference ends only when a run of the second group has begun.
+    // Two groups with one reference each. The first reference ends only after a run of the second
+    // group has started.
     let plan = plan(&place, "[compare]\nreference = {}\n[sweep.grid]\n\"floor.friction\" = [0.2, 0.4]\n");
     assert_eq!((plan.runs(), plan.references()), (2, 2));
     let (sender, receiver) = std::sync::mpsc::channel::<()>();
     let (sender, receiver) = (std::sync::Mutex::new(sender), std::sync::Mutex::new(receiver));
     let order = std::sync::Mutex::new(Vec::new());
-    let body = |job: &Job, wanted: &RunOutputs, cancel: &AtomicBool| {
+    let body = |job: &Job, outputs: &RunOutputs, cancel: &AtomicBool| {
         let is_reference = job.role == Role::Reference;
         match (is_reference, job.index) {
             (true, 0) => receiver.lock().unwrap().recv().unwrap(),
             (false, 1) => sender.lock().unwrap().send(()).unwrap(),
             _ => {}
         }
-        let end = simulate(job, wanted, cancel);
+        let end = simulate(job, outputs, cancel);
         order.lock().unwrap().push((is_reference, job.index));
         end
     };

@@ -1,10 +1,10 @@
-//! `--junit`: what continuous integration reads, told by an XML parser of its own.
+//! Tests of `--junit`: the report for continuous integration, read with an independent XML parser.
 
 use roxmltree::{Document, Node};
 
 use super::Place;
 
-/// Passes, fails two of three expectations, diverges, does not begin.
+/// Two runs: the first passes, the second fails two of three expectations.
 const SWEEP: &str = "[[expect]]\nmetric = \"duration_s\"\nmax = 0.15\n[[expect]]\nmetric = \"final_base_z\"\nvalue = 0.05\ntolerance = 1e-3\n\
     [[expect]]\nmetric = \"final_base_x\"\nvalue = 1.0\ntolerance = 10.0\n\
     [sweep]\nlist = [{ duration = 0.1 }, { duration = 0.2, \"floor.height\" = 0.5 }]\n";
@@ -26,15 +26,15 @@ fn child<'a>(case: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
     case.children().find(|n| n.has_tag_name(name))
 }
 
-/// Tests, failures, errors, skipped.
+/// Counts of tests, failures, errors and skipped tests.
 fn counts(node: Node<'_, '_>) -> [u32; 4] {
     ["tests", "failures", "errors", "skipped"].map(|name| node.attribute(name).unwrap().parse().unwrap())
 }
 
 #[test]
-fn a_suite_per_scenario_and_a_case_per_run_with_what_did_not_hold() {
+fn each_scenario_is_a_suite_and_each_run_a_case_with_its_failures() {
     let place = Place::new();
-    // The second stands on a floor that is half a metre higher, so its base ends there.
+    // The second run has a floor half a metre higher, so its base ends half a metre higher.
     place.block("sweep.toml", SWEEP).block("rest.toml", "");
     let done =
         place.runner(&["sweep.toml", "rest.toml", "--set", "log.rate=0", "--junit", "deep/er/junit.xml"]).exits(1);
@@ -51,15 +51,15 @@ fn a_suite_per_scenario_and_a_case_per_run_with_what_did_not_hold() {
     let cases = cases(&document);
     let names: Vec<_> =
         cases.iter().map(|c| (c.attribute("classname").unwrap(), c.attribute("name").unwrap())).collect();
-    // What a run of the list leaves out it has by default.
-    let wanted = ["duration=0.1 floor.height=0.0", "duration=0.2 floor.height=0.5"];
-    assert_eq!(names, [("sweep", wanted[0]), ("sweep", wanted[1]), ("rest", "rest")]);
+    // Values that a run of the list omits are the defaults.
+    let expected = ["duration=0.1 floor.height=0.0", "duration=0.2 floor.height=0.5"];
+    assert_eq!(names, [("sweep", expected[0]), ("sweep", expected[1]), ("rest", "rest")]);
     let summary = place.summary("results");
     for (case, (key, wall)) in cases.iter().zip(summary.column("key").iter().zip(summary.numbers("wall_s"))) {
         assert_eq!(property(*case, "key"), Some(*key));
         assert!(place.path(property(*case, "folder").unwrap()).join("run.json").is_file());
         let time: f64 = case.attribute("time").unwrap().parse().unwrap();
-        assert!((time - wall).abs() <= 0.5e-3, "{time} and {wall}: milliseconds are written");
+        assert!((time - wall).abs() <= 0.5e-3, "{time} and {wall}: times are rounded to milliseconds");
     }
     assert!(child(cases[0], "failure").is_none() && child(cases[0], "error").is_none());
     let failure = child(cases[1], "failure").unwrap();
@@ -68,13 +68,13 @@ fn a_suite_per_scenario_and_a_case_per_run_with_what_did_not_hold() {
     assert!(message.starts_with("2 broken expectations of 3: "), "{message}");
     let lines: Vec<&str> = failure.text().unwrap().lines().collect();
     assert_eq!(lines.len(), 2, "{lines:?}");
-    assert!(lines[0].starts_with("duration_s: measured 0.2, wanted at most 0.15, error 0.05"), "{}", lines[0]);
+    assert!(lines[0].starts_with("duration_s: measured 0.2, expected at most 0.15, error 0.05"), "{}", lines[0]);
     assert!(lines[1].starts_with("final_base_z: measured 0.55"), "{}", lines[1]);
-    assert!(lines[1].contains("wanted 0.05 +- 0.001, error 0.5"), "{}", lines[1]);
+    assert!(lines[1].contains("expected 0.05 +- 0.001, error 0.5"), "{}", lines[1]);
 }
 
 #[test]
-fn what_does_not_end_is_an_error_and_what_does_not_begin_is_skipped() {
+fn unfinished_runs_are_errors_and_runs_not_started_are_skipped() {
     let place = Place::new();
     place.block("fast.toml", "base = { linear_velocity = [1e7, 0, 0] }\n[sweep]\nrepeat = 3\n");
     let done = place.runner(&["fast.toml", "-j", "1", "--max-fail", "2", "--junit", "junit.xml"]).exits(3);
@@ -90,7 +90,8 @@ fn what_does_not_end_is_an_error_and_what_does_not_begin_is_skipped() {
     assert_eq!(child(cases[2], "skipped").unwrap().attribute("message"), Some("not started"));
     assert_eq!(cases[2].attribute("time"), None);
 
-    // Another way not to end, and a reference that is to blame; suites stand in the order of the scenarios.
+    // A reference that times out leaves its run uncompared. Suites are in the order of the
+    // scenarios.
     place.block("early.toml", "").block("late.toml", "[compare]\nreference = { duration = 1e9 }\n");
     let short = ["--set", "duration=0.1", "--set", "log.rate=1", "--timeout", "2", "--junit", "late.xml"];
     place.runner(&[&["early.toml", "late.toml"], &short[..]].concat()).exits(3);
@@ -108,7 +109,7 @@ fn what_does_not_end_is_an_error_and_what_does_not_begin_is_skipped() {
 }
 
 #[test]
-fn names_and_messages_are_escaped_and_stay_apart() {
+fn names_and_messages_are_escaped() {
     let place = Place::new();
     place.block("a&b.toml", "[sweep]\ngrid = { description = [\"x < \\\"y\\\" & 'z'\", \"tab\\tbell\\u0007\"] }\n");
     place.runner(&["a&b.toml", "--set", "duration=0.01", "--junit", "junit.xml"]).exits(0);
@@ -117,15 +118,15 @@ fn names_and_messages_are_escaped_and_stay_apart() {
     let cases = cases(&document);
     assert_eq!(cases[0].attribute("classname"), Some("a&b"));
     assert_eq!(cases[0].attribute("name"), Some("description=x < \"y\" & 'z'"));
-    // XML has no place for the bell.
+    // XML cannot represent the bell character.
     assert!(cases[1].attribute("name").unwrap().starts_with("description=tab"), "{text}");
     assert!(!text.contains('\u{7}'));
 }
 
-/// Scenarios whose names have what XML has no place for, and what it takes of them is the same.
+/// The names contain characters that XML cannot represent, and are equal without them.
 #[cfg(unix)]
 #[test]
-fn scenarios_of_which_xml_takes_the_same_name_stay_apart() {
+fn scenarios_with_equal_xml_names_stay_separate_suites() {
     let place = Place::new();
     let names = ["a\u{1}.toml", "a\u{1b}.toml", "a\u{fffe}.toml", "a.toml"];
     names.iter().for_each(|name| _ = place.block(name, "[sweep]\nrepeat = 3\n"));
@@ -139,7 +140,7 @@ fn scenarios_of_which_xml_takes_the_same_name_stay_apart() {
 }
 
 #[test]
-fn a_file_that_cannot_be_written_is_told_before_anything_runs() {
+fn an_unwritable_report_file_is_an_error_before_the_first_run() {
     let place = Place::new();
     place.block("s.toml", "").write("in-the-way", "");
     let done = place.runner(&["s.toml", "--junit", "in-the-way/junit.xml"]).exits(2);

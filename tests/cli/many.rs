@@ -1,4 +1,4 @@
-//! More runs than are kept in memory.
+//! Tests of batches with more runs than are kept in memory.
 
 use std::fs::{self, File};
 
@@ -10,10 +10,10 @@ use super::Place;
 use crate::same::rows;
 
 #[test]
-fn runs_that_are_not_kept_are_in_the_summary_in_their_order() {
+fn the_summary_has_all_runs_in_plan_order_beyond_the_memory_sample() {
     let place = Place::new();
     let runs = SAMPLE_SIZE + 60;
-    // One of them does not end as it should, long after memory is full.
+    // One run fails long after the sample of runs in memory is full.
     place.block(
         "s.toml",
         &format!(
@@ -21,13 +21,13 @@ fn runs_that_are_not_kept_are_in_the_summary_in_their_order() {
             "0.001, ".repeat(runs - 2)
         ),
     );
-    let most = (runs + 1).to_string();
-    let arguments = ["s.toml", "--max-runs", &most];
+    let max_runs = (runs + 1).to_string();
+    let arguments = ["s.toml", "--max-runs", &max_runs];
     place.runner(&arguments[..1]).exits(2);
     let done = place.runner(&arguments).exits(1);
     assert!(done.stdout.contains(&format!("{runs} runs: {} passed, 1 failed", runs - 1)), "{}", done.stdout);
-    assert!(done.stdout.contains("duration_s is 0.002, above 0.0015"), "those that went wrong are shown");
-    assert!(done.stdout.lines().count() < 100, "and no others: {} lines", done.stdout.lines().count());
+    assert!(done.stdout.contains("duration_s is 0.002, above 0.0015"), "failed runs are shown");
+    assert!(done.stdout.lines().count() < 100, "no other runs are shown: {} lines", done.stdout.lines().count());
     let table = place.summary("results");
     let seeds: Vec<String> = (1..=runs).map(|seed| seed.to_string()).collect();
     assert_eq!(table.column("seed"), seeds);
@@ -38,23 +38,23 @@ fn runs_that_are_not_kept_are_in_the_summary_in_their_order() {
     assert_eq!(frame.height(), runs);
     assert_eq!(frame.column("seed").unwrap().u64().unwrap().get(runs - 1), Some(runs as u64));
     let page = fs::read_to_string(place.path("results/report.html")).unwrap();
-    assert!(page.contains(&format!("{runs} runs of 1 scenario")), "the numbers are of all");
-    assert!(page.contains("60 more runs are counted here"), "and it says what is not shown");
+    assert!(page.contains(&format!("{runs} runs of 1 scenario")), "the counts include all runs");
+    assert!(page.contains("60 more runs are counted here"), "the page states the number of omitted runs");
     assert!(page.len() < 4 << 20, "{} bytes", page.len());
-    // Read back from records they are the same rows.
+    // A resumed batch reads the same rows from the records.
     let before = rows(&table);
     let done = place.runner(&[&arguments[..], &["--resume"]].concat()).exits(1);
     assert!(done.stderr.contains(&format!("resumed: {runs} runs done already")), "{}", done.stderr);
     assert_eq!(rows(&place.summary("results")), before);
-    // `report` does not have them all in memory either, and says the same of them.
+    // `report` keeps only a sample in memory too, and writes the same rows.
     place.runner(&["report", "results"]).exits(0);
     assert_eq!(rows(&place.summary("results")), before);
     let page = fs::read_to_string(place.path("results/report.html")).unwrap();
     assert!(page.contains(&format!("{runs} runs of 1 scenario")) && page.contains("60 more runs are counted here"));
-    // Also without a summary that says in which order they stood: by what was swept.
+    // Without an earlier summary, rows are ordered by the swept values.
     fs::remove_file(place.path("results/summary.csv")).unwrap();
     place.runner(&["report", "results"]).exits(0);
     let mut durations = place.summary("results").numbers("duration_s");
-    assert_eq!(durations.pop(), Some(0.002), "by `duration`, the only one that is longer");
+    assert_eq!(durations.pop(), Some(0.002), "the only longer duration is last");
     assert!(durations.len() == runs - 1 && durations.iter().all(|duration| *duration < 0.0015));
 }

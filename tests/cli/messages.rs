@@ -1,4 +1,4 @@
-//! `--message-format json`: every line a message, as the schema says, in an order that can be relied on.
+//! Tests of `--message-format json`: one message per line, valid by the schema, in a defined order.
 
 use serde_json::Value;
 
@@ -8,7 +8,7 @@ fn lines(done: &Done) -> Vec<Value> {
     let lines: Vec<Value> = done.stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     for line in &lines {
         assert_eq!(line["schema"], 1);
-        conforms(line);
+        assert_conforms(line);
     }
     lines
 }
@@ -17,15 +17,15 @@ fn events(lines: &[Value]) -> Vec<&str> {
     lines.iter().map(|line| line["event"].as_str().unwrap()).collect()
 }
 
-/// Are the fields of a message those that the schema has for it, and are all that it requires there?
-fn conforms(line: &Value) {
+/// Asserts that a message has all fields that the schema requires, and no unknown ones.
+fn assert_conforms(line: &Value) {
     let schema = stiction::batch::message_schema();
     let resolved = |part: &Value| match part["$ref"].as_str() {
         Some(path) => schema.pointer(path.trim_start_matches('#')).unwrap().clone(),
         None => part.clone(),
     };
-    let is_it = |variant: &&Value| variant["properties"]["event"]["const"] == line["event"];
-    let variant = schema["oneOf"].as_array().unwrap().iter().find(is_it).unwrap_or_else(|| panic!("{line}"));
+    let same_event = |variant: &&Value| variant["properties"]["event"]["const"] == line["event"];
+    let variant = schema["oneOf"].as_array().unwrap().iter().find(same_event).unwrap_or_else(|| panic!("{line}"));
     let parts = [schema.clone(), variant.clone(), resolved(variant)];
     let mut known = Vec::new();
     for part in &parts {
@@ -40,7 +40,7 @@ fn conforms(line: &Value) {
 }
 
 #[test]
-fn a_batch_from_its_start_to_its_exit_code() {
+fn a_batch_reports_its_start_its_runs_and_its_exit_code() {
     let place = Place::new();
     place.block(
         "s.toml",
@@ -67,15 +67,16 @@ fn a_batch_from_its_start_to_its_exit_code() {
     assert_eq!((&expectation["metric"], &expectation["measured"]), (&"duration_s".into(), &0.2.into()));
     assert_eq!((&expectation["max"], &expectation["held"]), (&0.15.into(), &false.into()));
 
-    // The figures are those of the summary, empty cells null.
+    // The metrics equal those of the summary, with null for empty cells.
     let summary = place.summary("results");
     assert_eq!(summary.column("key"), [good["key"].as_str().unwrap(), bad["key"].as_str().unwrap()]);
-    let own = ["scenario", "key", "outcome", "message", "method", "integrator", "seed", "duration", "floor.friction"];
-    for (column, name) in summary.header.iter().enumerate().filter(|(_, name)| !own.contains(&name.as_str())) {
-        let told = &good["metrics"][name];
+    let not_metrics =
+        ["scenario", "key", "outcome", "message", "method", "integrator", "seed", "duration", "floor.friction"];
+    for (column, name) in summary.header.iter().enumerate().filter(|(_, name)| !not_metrics.contains(&name.as_str())) {
+        let metric = &good["metrics"][name];
         let cell = &summary.rows[0][column];
-        let agree = if cell.is_empty() { told.is_null() } else { told.as_f64() == cell.parse().ok() };
-        assert!(agree, "{name}: {told} and `{cell}`");
+        let agree = if cell.is_empty() { metric.is_null() } else { metric.as_f64() == cell.parse().ok() };
+        assert!(agree, "{name}: {metric} and `{cell}`");
     }
     let folder = place.path(good["folder"].as_str().unwrap());
     assert!(folder.join("run.json").is_file() && folder.ends_with(good["key"].as_str().unwrap()));
@@ -109,35 +110,35 @@ fn diagnostics_have_file_line_column_key_and_help() {
         assert!(a["rendered"].as_str().unwrap().contains("4 | frction = 0.5"), "{a}");
         assert_eq!((&b["line"], &b["key"]), (&5.into(), &"task.0.joints.knee".into()));
         assert_eq!(lines[2]["exit_code"], 2);
-        assert!(done.stderr.contains("2 errors"), "people are told as ever: {}", done.stderr);
+        assert!(done.stderr.contains("2 errors"), "standard error is as without JSON: {}", done.stderr);
     }
 
-    // A robot file, a robot's warning, an override, a filter.
+    // Diagnostics of a robot file, of a robot, of --set and of --filter.
     let robot = std::fs::read_to_string(place.path("block/block.toml")).unwrap();
     place.block("s.toml", "").write("block/block.toml", robot.replace("link = \"block\"", "link = \"blok\""));
-    let lines_of = |arguments: &[&str], code| {
+    let check_messages = |arguments: &[&str], code| {
         lines(&place.runner(&[&["check", "--message-format", "json"], arguments].concat()).exits(code))
     };
-    let told = &lines_of(&["s.toml"], 2)[0];
-    assert_eq!(told["file"], "block/block.toml");
-    assert!(told["line"].is_u64() && told["column"].is_u64() && told["key"].is_string(), "{told}");
+    let message = &check_messages(&["s.toml"], 2)[0];
+    assert_eq!(message["file"], "block/block.toml");
+    assert!(message["line"].is_u64() && message["column"].is_u64() && message["key"].is_string(), "{message}");
     place.write("block/block.toml", robot);
-    let told = &lines_of(&["s.toml", "--set", "floor.friction=-1"], 2)[0];
-    assert_eq!((&told["file"], &told["key"]), (&"--set".into(), &"floor.friction".into()));
-    let told = &lines_of(&["s.toml", "--filter", "seed = 1"], 2)[0];
-    assert_eq!((&told["file"], &told["column"], &told["key"]), (&"--filter".into(), &6.into(), &Value::Null));
+    let message = &check_messages(&["s.toml", "--set", "floor.friction=-1"], 2)[0];
+    assert_eq!((&message["file"], &message["key"]), (&"--set".into(), &"floor.friction".into()));
+    let message = &check_messages(&["s.toml", "--filter", "seed = 1"], 2)[0];
+    assert_eq!((&message["file"], &message["column"], &message["key"]), (&"--filter".into(), &6.into(), &Value::Null));
     let urdf = std::fs::read_to_string(place.path("block/block.urdf")).unwrap();
     place.write("block/block.urdf", urdf.replacen("<box size=\"0.2 0.2 0.1\"/>", "<mesh filename=\"none.stl\"/>", 1));
-    let told = lines_of(&["s.toml"], 0);
-    assert_eq!((&told[0]["severity"], &told[0]["file"]), (&"warning".into(), &"block/block.urdf".into()));
-    assert_eq!(told.last().unwrap()["runs"], 1);
-    let told = lines_of(&["s.toml", "--strict"], 2);
-    assert_eq!(events(&told[told.len() - 2..]), ["diagnostic", "check-finished"]);
-    assert_eq!(told[told.len() - 2]["message"], "with --strict, warnings are errors");
+    let messages = check_messages(&["s.toml"], 0);
+    assert_eq!((&messages[0]["severity"], &messages[0]["file"]), (&"warning".into(), &"block/block.urdf".into()));
+    assert_eq!(messages.last().unwrap()["runs"], 1);
+    let messages = check_messages(&["s.toml", "--strict"], 2);
+    assert_eq!(events(&messages[messages.len() - 2..]), ["diagnostic", "check-finished"]);
+    assert_eq!(messages[messages.len() - 2]["message"], "with --strict, warnings are errors");
 }
 
 #[test]
-fn what_goes_wrong_with_the_batch_is_in_its_last_message() {
+fn errors_of_the_batch_are_in_its_last_message() {
     let place = Place::new();
     place.block("s.toml", "").write("file", "");
     let done = place.runner(&["s.toml", "--message-format", "json", "-o", "file/results"]).exits(2);
@@ -151,9 +152,9 @@ fn what_goes_wrong_with_the_batch_is_in_its_last_message() {
 }
 
 #[test]
-fn a_run_that_takes_long_is_named_while_it_runs_and_at_the_end() {
+fn a_slow_run_is_reported_while_it_runs_and_at_the_end() {
     let place = Place::new();
-    // The second takes some hundred times as long as the first, whatever the machine.
+    // The second run takes some hundred times as long as the first on every machine.
     place.block("s.toml", "[log]\nrate = 0\n[sweep]\ngrid = { duration = [1e-3, 1e9] }\n");
     let arguments = ["s.toml", "-j", "1", "--slow", "0.5", "--timeout", "1.5"];
     let done = place.runner(&[&arguments[..], &["--message-format", "json", "--junit", "junit.xml"]].concat()).exits(3);
@@ -176,7 +177,7 @@ fn a_run_that_takes_long_is_named_while_it_runs_and_at_the_end() {
 }
 
 #[test]
-fn runs_that_are_there_already_are_told_as_such() {
+fn resumed_runs_are_reported_as_resumed() {
     let place = Place::new();
     place.block("s.toml", "[sweep]\nrepeat = 2\n");
     let short = ["s.toml", "--set", "duration=0.05"];
@@ -194,7 +195,7 @@ fn runs_that_are_there_already_are_told_as_such() {
 }
 
 #[test]
-fn why_nothing_is_run_is_told() {
+fn the_reason_for_an_empty_selection_is_reported() {
     let place = Place::new();
     place.block("s.toml", "").write("empty/read.me", "");
     for (arguments, exit, severity, message) in [
@@ -205,9 +206,9 @@ fn why_nothing_is_run_is_told() {
         for command in ["run", "check"] {
             let done = place.runner(&[&[command][..], arguments, &["--message-format", "json"]].concat()).exits(exit);
             let lines = lines(&done);
-            let [told, last] = lines.as_slice() else { panic!("{}", done.stdout) };
-            assert_eq!((&told["event"], &told["severity"]), (&"diagnostic".into(), &severity.into()));
-            assert_eq!((&told["message"], &last["exit_code"]), (&message.into(), &exit.into()));
+            let [diagnostic, last] = lines.as_slice() else { panic!("{}", done.stdout) };
+            assert_eq!((&diagnostic["event"], &diagnostic["severity"]), (&"diagnostic".into(), &severity.into()));
+            assert_eq!((&diagnostic["message"], &last["exit_code"]), (&message.into(), &exit.into()));
         }
     }
 }

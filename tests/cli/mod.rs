@@ -1,4 +1,4 @@
-//! The program as its users meet it: every test runs the real binary on real files.
+//! Tests of the command line: every test runs the real binary on real files.
 
 mod broken;
 mod changes;
@@ -31,7 +31,7 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-/// A folder of its own with a copy of the block's robot files in `block/`.
+/// A temporary folder with a copy of the block's robot files in `block/`.
 pub struct Place {
     folder: TempDir,
 }
@@ -51,7 +51,7 @@ impl Place {
         self.folder.path().join(name)
     }
 
-    /// Writes a file; its folder is made if need be.
+    /// Writes a file and creates its folder if it does not exist.
     pub fn write(&self, name: &str, text: impl AsRef<[u8]>) -> &Self {
         let path = self.path(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
@@ -59,7 +59,7 @@ impl Place {
         self
     }
 
-    /// Writes a scenario of the block: `text` follows its `[robot]` table's first line.
+    /// Writes a scenario of the block: `text` follows the first line of its `[robot]` table.
     pub fn block(&self, name: &str, text: &str) -> &Self {
         self.write(name, format!("[robot]\nmodel = \"block/block.toml\"\n{text}"))
     }
@@ -70,12 +70,12 @@ impl Place {
         command
     }
 
-    /// Runs the program to its end.
+    /// Runs the program and waits for its end.
     pub fn runner(&self, arguments: &[&str]) -> Done {
         Done::from(self.command(arguments).output().unwrap())
     }
 
-    /// Runs a line of a shell in this folder, in which `$0` is the program.
+    /// Runs a shell command in this folder. In it, `$0` is the program.
     #[cfg(unix)]
     pub fn shell(&self, line: &str) -> Done {
         let mut shell = Command::new("sh");
@@ -83,13 +83,13 @@ impl Place {
         Done::from(shell.output().unwrap())
     }
 
-    /// The summary in a folder of results.
+    /// Reads the summary of a folder of results.
     pub fn summary(&self, results: &str) -> Table {
         Table::read(&self.path(results).join("summary.csv"))
     }
 }
 
-/// What the program did.
+/// Exit code and output of the program.
 pub struct Done {
     pub code: Option<i32>,
     pub stdout: String,
@@ -104,7 +104,7 @@ impl From<Output> for Done {
 }
 
 impl Done {
-    /// Asserts the exit code; what was said is shown when it is another.
+    /// Asserts the exit code and prints the output if it differs.
     #[track_caller]
     pub fn exits(self, code: i32) -> Self {
         assert_eq!(self.code, Some(code), "stdout:\n{}\nstderr:\n{}", self.stdout, self.stderr);
@@ -112,7 +112,7 @@ impl Done {
     }
 }
 
-/// A CSV file, every cell as text.
+/// A CSV file with every cell as text.
 pub struct Table {
     pub header: Vec<String>,
     pub rows: Vec<Vec<String>>,
@@ -123,13 +123,13 @@ impl Table {
         Self::parse(&fs::read_to_string(path).unwrap())
     }
 
-    /// Cells have no line breaks.
+    /// Parses CSV text whose cells contain no line breaks.
     pub fn parse(text: &str) -> Self {
         let mut lines = text.lines().map(cells);
         Table { header: lines.next().expect("a header"), rows: lines.collect() }
     }
 
-    /// A column, top to bottom.
+    /// The cells of a column, top to bottom.
     #[track_caller]
     pub fn column(&self, name: &str) -> Vec<&str> {
         let at = self.header.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"));
@@ -147,7 +147,7 @@ fn cells(line: &str) -> Vec<String> {
     let mut quoted = false;
     for c in line.chars() {
         match c {
-            // A doubled quote ends and begins again; the quote itself is of no interest here.
+            // A doubled quote toggles twice. The quote character itself is dropped.
             '"' => quoted = !quoted,
             ',' if !quoted => cells.push(String::new()),
             c => cells.last_mut().unwrap().push(c),

@@ -1,4 +1,5 @@
-//! `docs/tutorial.md` and `docs/extending.md`: what they show stands in the tree, and what they run passes.
+//! Tests of `docs/tutorial.md` and `docs/extending.md`: the shown files exist and their scenarios
+//! pass.
 
 use std::fs;
 use std::path::Path;
@@ -13,15 +14,15 @@ fn page(name: &str) -> String {
     fs::read_to_string(root().join("docs").join(name)).unwrap()
 }
 
-/// The texts of all files with one of these endings below a folder.
-fn texts(folder: &str, endings: &[&str]) -> Vec<String> {
+/// Contents of all files below a folder with one of these extensions.
+fn texts(folder: &str, extensions: &[&str]) -> Vec<String> {
     let (mut folders, mut found) = (vec![root().join(folder)], Vec::new());
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
             if path.is_dir() {
                 folders.push(path);
-            } else if path.extension().and_then(|e| e.to_str()).is_some_and(|e| endings.contains(&e)) {
+            } else if path.extension().and_then(|e| e.to_str()).is_some_and(|e| extensions.contains(&e)) {
                 found.push(fs::read_to_string(path).unwrap());
             }
         }
@@ -29,7 +30,7 @@ fn texts(folder: &str, endings: &[&str]) -> Vec<String> {
     found
 }
 
-/// What stands between fences of one of these languages.
+/// Contents of the fenced code blocks in one of these languages.
 fn blocks(page: &str, languages: &[&str]) -> Vec<String> {
     let (mut found, mut lines) = (Vec::new(), page.lines());
     while let Some(line) = lines.next() {
@@ -40,9 +41,9 @@ fn blocks(page: &str, languages: &[&str]) -> Vec<String> {
     found
 }
 
-/// Each file of the tutorial is made of the blocks of its page, below the line for editors.
+/// Each tutorial file consists of blocks of the page, after its `#:schema` line.
 #[test]
-fn the_tutorial_shows_its_files_as_they_are() {
+fn the_tutorial_shows_complete_files() {
     let blocks = blocks(&page("tutorial.md"), &["toml"]);
     let files = texts("scenarios/tutorial", &["toml"]);
     assert!(blocks.len() >= files.len() && files.len() >= 4, "{} {}", blocks.len(), files.len());
@@ -57,13 +58,13 @@ fn the_tutorial_shows_its_files_as_they_are() {
 }
 
 #[test]
-fn what_is_shown_of_extensions_stands_in_the_tree() {
+fn code_blocks_of_extending_exist_in_the_repository() {
     let page = page("extending.md");
-    for (folder, endings, languages) in [
+    for (folder, extensions, languages) in [
         ("scenarios/extending", &["toml", "urdf", "luau"][..], &["toml", "xml", "lua"][..]),
         ("src", &["rs"][..], &["rust"][..]),
     ] {
-        let (files, blocks) = (texts(folder, endings), blocks(&page, languages));
+        let (files, blocks) = (texts(folder, extensions), blocks(&page, languages));
         assert!(blocks.len() >= 3, "{}", blocks.len());
         for block in &blocks {
             assert!(files.iter().any(|file| file.contains(block)), "nothing below {folder} has\n{block}");
@@ -71,9 +72,9 @@ fn what_is_shown_of_extensions_stands_in_the_tree() {
     }
 }
 
-/// Those that judge themselves, by closed forms but for the standing and the pushed robot.
+/// The scenarios check themselves: by closed forms, except for the standing and the pushed robot.
 #[test]
-fn what_both_pages_run_passes() {
+fn scenarios_of_both_pages_pass() {
     let place = Place::new();
     let scenarios = ["scenarios/extending", "scenarios/tutorial"].map(|folder| root().join(folder));
     let scenarios = scenarios.each_ref().map(|path| path.to_str().unwrap());

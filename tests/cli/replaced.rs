@@ -1,4 +1,4 @@
-//! Files that a user names for what is written: nothing that was there for another purpose is lost.
+//! Tests of output files named by the user: the program refuses to overwrite unrelated files.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use super::Place;
 
 const SWEEP: &str = "[sweep]\ngrid = { \"floor.friction\" = [0.2, 0.4] }\n";
 
-/// A scenario with results, and one of its records.
+/// A scenario with results, and the folder of one of its runs.
 fn with_results() -> (Place, String) {
     let place = Place::new();
     place.block("s.toml", SWEEP);
@@ -17,7 +17,7 @@ fn with_results() -> (Place, String) {
 }
 
 #[test]
-fn inputs_and_records_are_not_replaced() {
+fn inputs_and_records_are_not_overwritten() {
     let (place, run) = with_results();
     let (record, log) = (format!("{run}/run.json"), format!("{run}/log.mcap"));
     let batch = ["s.toml", "--set", "duration=0.05", "-o", "r2", "--junit"];
@@ -43,11 +43,11 @@ fn inputs_and_records_are_not_replaced() {
         assert!(done.stderr.contains("choose another file to write"), "{arguments:?}: {}", done.stderr);
         assert!(fs::read(&path).unwrap() == before, "{arguments:?}");
     }
-    assert!(!place.path("r2").exists(), "nothing runs for test results that cannot be written");
+    assert!(!place.path("r2").exists(), "no run starts if the test results cannot be written");
 }
 
 #[test]
-fn what_was_written_before_is_written_anew() {
+fn earlier_output_files_are_overwritten() {
     let (place, run) = with_results();
     let session =
         ["console", "s.toml", "--filter", "floor.friction.static == 0.2", "-c", "run 0.1", "--save", "k.toml"];
@@ -65,7 +65,7 @@ fn what_was_written_before_is_written_anew() {
 }
 
 #[test]
-fn test_results_are_no_folder_and_no_file_of_the_results() {
+fn test_results_refuse_folders_and_files_of_the_results() {
     let place = Place::new();
     place.block("s.toml", SWEEP);
     for junit in ["r", "r/s", "r/../r", "r/summary.csv", "r/runs.jsonl", "block"] {
@@ -75,9 +75,9 @@ fn test_results_are_no_folder_and_no_file_of_the_results() {
     }
 }
 
-/// Each run keeps what was swept, so that a summary of runs made again has the same columns.
+/// Each record contains the swept values, so a summary of re-runs has the same columns.
 #[test]
-fn runs_made_again_tell_what_was_swept() {
+fn replayed_runs_keep_their_swept_values() {
     let (place, _) = with_results();
     place.runner(&["replay", "r", "-o", "again"]).exits(0);
     place.runner(&["report", "again"]).exits(0);

@@ -1,4 +1,4 @@
-//! `runner report`, and the page at the end of a batch.
+//! Tests of `runner report` and of the report page of a batch.
 
 use super::Place;
 use std::fs;
@@ -7,7 +7,7 @@ const SWEEP: &str = "base = { position = [0, 0, 0.2] }\n[sweep]\ngrid = { \"floo
     \"contact.method\" = [\"one-step\", \"exact\"] }\nrepeat = 2\n[[expect]]\nmetric = \"final_base_z\"\nvalue = 0.05\ntolerance = 1e-2\n";
 
 #[test]
-fn report_rewrites_equal_summary_and_page() {
+fn report_reproduces_summary_and_page() {
     let place = Place::new();
     place.block("drop.toml", SWEEP).block("rest.toml", "");
     let done = place.runner(&["rest.toml", "drop.toml", "--set", "duration=0.5", "-j", "2"]).exits(0);
@@ -21,7 +21,7 @@ fn report_rewrites_equal_summary_and_page() {
         assert!(*before == after, "{name} differs");
         assert!(done.stdout.contains(&format!("results/{name}")), "{}", done.stdout);
     }
-    // Without the last summary the order is that of names and values; every run is there all the same.
+    // Without the earlier summary, rows are in the order of names and values. No run is missing.
     fs::remove_file(place.path("results/summary.csv")).unwrap();
     place.runner(&["report", "results"]).exits(0);
     let table = place.summary("results");
@@ -32,7 +32,7 @@ fn report_rewrites_equal_summary_and_page() {
 }
 
 #[test]
-fn the_page_draws_failed_runs_first() {
+fn failed_runs_are_drawn_before_passed_runs() {
     let place = Place::new();
     place.block(
         "drop.toml",
@@ -43,7 +43,7 @@ fn the_page_draws_failed_runs_first() {
     place.runner(&["rest.toml", "drop.toml", "--set", "duration=0.3"]).exits(1);
     let page = || fs::read_to_string(place.path("results/report.html")).unwrap();
     let html = page();
-    // 0.05 m of fall take 0.1 s; the block's sole is on the floor from then on.
+    // A fall of 0.05 m takes 0.1 s. From then on the block's sole is on the floor.
     assert!(html.contains("<title>bottom: face-static, 0.10"), "{html}");
     let drawn = |html: &str| -> Vec<String> {
         html.match_indices("over time\"")
@@ -52,20 +52,20 @@ fn the_page_draws_failed_runs_first() {
     };
     let names = drawn(&html);
     assert_eq!(names.len(), 6, "{names:?}");
-    assert_eq!(names[5], "drop exact dopri5", "it failed; the order stays that of the plan");
-    assert!(html.contains("3 runs more with logs"), "8 and 1, less 6");
+    assert_eq!(names[5], "drop exact dopri5", "the failed run is drawn, in the order of the plan");
+    assert!(html.contains("3 runs more with logs"), "8 + 1 - 6 runs are not drawn");
 
     let keys = place.summary("results").column("key").iter().map(|k| (*k).to_owned()).collect::<Vec<_>>();
     place.runner(&["report", "results", "--runs", &keys[2][..8], &keys[7], "-o", "chosen/page.html"]).exits(0);
     let chosen = fs::read_to_string(place.path("chosen/page.html")).unwrap();
     assert_eq!(drawn(&chosen).len(), 2);
-    assert_eq!(page(), html, "the page of the results is left alone");
+    assert_eq!(page(), html, "the page of the results is unchanged");
     let refused = place.runner(&["report", "results", "--runs", "nosuchkey"]).exits(2);
     assert!(refused.stderr.contains("no run has a key that begins with `nosuchkey`"), "{}", refused.stderr);
 }
 
 #[test]
-fn invalid_records_are_named_and_skipped() {
+fn invalid_records_are_reported_and_skipped() {
     let place = Place::new();
     place.block("rest.toml", "");
     place.runner(&["rest.toml", "--set", "duration=0.1", "--no-log", "-o", "all/deep/shard"]).exits(0);
@@ -79,13 +79,13 @@ fn invalid_records_are_named_and_skipped() {
     place.write("all/note.txt", "no record");
     let done = place.runner(&["report", "all"]).exits(0);
     assert!(done.stderr.contains("1 record read, 4 passed over"), "{}", done.stderr);
-    for words in [
+    for text in [
         "warning: passed over: all/foreign/run.json: missing field `schema`",
         "warning: passed over: all/torn/run.json: EOF",
         "warning: passed over: all/newer/run.json: record format 99",
         "warning: passed over: all/twice/run.json: the same run as all/deep/shard/rest/",
     ] {
-        assert!(done.stderr.contains(words), "{words}\n{}", done.stderr);
+        assert!(done.stderr.contains(text), "{text}\n{}", done.stderr);
     }
     assert_eq!(place.summary("all").column("key"), [key.as_str()]);
     let named = place.runner(&["report", "all", "--runs", &key]).exits(0);
@@ -132,6 +132,7 @@ fn references_have_no_rows_and_errors_have_a_pareto_table() {
         html.contains("<h3>References</h3>") && html.contains("slide&#x2f;references&#x2f;"),
         "references are listed"
     );
-    // One picture per error and friction: position, force, end of position and rotation; the block has no joints.
+    // One plot per error and friction: position, force, final position and final rotation. The
+    // block has no joints.
     assert_eq!(html.matches("over cost, slide").count(), 8);
 }

@@ -1,4 +1,4 @@
-//! What a batch leaves: files, their contents, and keys that depend on contents only.
+//! Tests of the files of a batch, their contents, and keys.
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use stiction::log::ProblemRecord;
 use stiction::results::RunRecord;
 
 #[test]
-fn a_batch_writes_and_names_its_files() {
+fn a_batch_writes_its_files_and_lists_them() {
     let place = Place::new();
     place.block(
         "slide.toml",
@@ -18,8 +18,8 @@ fn a_batch_writes_and_names_its_files() {
     let summary = place.summary("deep/out");
     assert_eq!(summary.column("scenario"), ["slide", "slide", "rest"]);
     assert_eq!(summary.column("floor.friction"), ["0.5", "0.25", ""]);
-    // At 0.5 s both have come to rest after v^2 / (2 mu g). Friction is constant until then, which the integrator takes
-    // without error; what is left is the speed below which a block counts as resting.
+    // At 0.5 s both rest after v^2 / (2 mu g). Friction is constant until then, so the integrator
+    // is exact. The remaining error comes from the speed below which a block counts as resting.
     let x = summary.numbers("final_base_x");
     for (x, mu) in x.iter().zip([0.5, 0.25]) {
         let stop = 1.0 / (2.0 * mu * 9.81);
@@ -42,12 +42,12 @@ fn a_batch_writes_and_names_its_files() {
     }
     let lines = fs::read_to_string(place.path("deep/out/runs.jsonl")).unwrap();
     assert_eq!(lines.lines().count(), 3);
-    assert!(done.stderr.contains("3 runs, "), "announced before the start: {}", done.stderr);
+    assert!(done.stderr.contains("3 runs, "), "the number of runs is printed before the start: {}", done.stderr);
     assert!(done.stderr.contains("[3/3] "), "one line per run: {}", done.stderr);
 }
 
 #[test]
-fn no_log_changes_nothing_but_the_log() {
+fn no_log_changes_only_the_log() {
     let place = Place::new();
     place.block("drop.toml", "base = { position = [0, 0, 0.2], linear_velocity = [0.5, 0, 0] }\n");
     place.runner(&["drop.toml", "--set", "duration=1", "-o", "with"]).exits(0);
@@ -56,7 +56,7 @@ fn no_log_changes_nothing_but_the_log() {
     let folder = |results: &str, t: &Table| place.path(results).join("drop").join(t.column("key")[0]);
     assert!(folder("with", &with).join("log.mcap").exists());
     assert!(!folder("without", &without).join("log.mcap").exists());
-    // Each record of a log takes an evaluation.
+    // Each instant of a log costs an evaluation.
     let differ = ["wall_s", "cpu_s", "real_time_factor", "evaluations"];
     for name in with.header.iter().filter(|h| !differ.contains(&h.as_str())) {
         assert_eq!(with.column(name), without.column(name), "{name}");
@@ -74,11 +74,11 @@ fn results_go_to_stdout_and_progress_to_stderr() {
 }
 
 #[test]
-fn an_unwritable_output_is_an_error_before_any_run() {
+fn an_unwritable_output_is_an_error_before_the_first_run() {
     let place = Place::new();
     place.block("long.toml", "").write("file", "in the way");
     for output in ["file", "file/below"] {
-        // It would run for ever.
+        // This run would practically never end.
         let done = place.runner(&["long.toml", "--set", "duration=1e9", "-o", output]).exits(2);
         assert!(done.stderr.contains("cannot write results into file"), "{}", done.stderr);
     }
@@ -86,29 +86,29 @@ fn an_unwritable_output_is_an_error_before_any_run() {
 
 #[test]
 fn keys_depend_on_content_not_on_paths() {
-    let here = Place::new();
-    here.block("s.toml", "");
+    let first = Place::new();
+    first.block("s.toml", "");
     let key = |place: &Place, arguments: &[&str]| {
         let all: Vec<&str> = ["list", "--format", "csv"].iter().chain(arguments).copied().collect();
         Table::parse(&place.runner(&all).exits(0).stdout).column("key")[0].to_owned()
     };
-    let original = key(&here, &["s.toml"]);
-    // Another folder, another name, another way to the robot.
-    let there = Place::new();
+    let original = key(&first, &["s.toml"]);
+    // Another folder, another name and another path to the robot.
+    let second = Place::new();
     for name in ["block.toml", "block.urdf"] {
-        there.write(&format!("elsewhere/{name}"), fs::read(here.path("block").join(name)).unwrap());
+        second.write(&format!("elsewhere/{name}"), fs::read(first.path("block").join(name)).unwrap());
     }
-    there.write("deep/t.toml", "[robot]\nmodel = \"../elsewhere/block.toml\"\n");
-    assert_eq!(key(&there, &["deep/t.toml"]), original);
-    let absolute = there.path("deep/t.toml");
-    assert_eq!(key(&here, &[absolute.to_str().unwrap()]), original);
-    // Whatever changes a run changes its key: a value, the seed, the robot's bytes.
+    second.write("deep/t.toml", "[robot]\nmodel = \"../elsewhere/block.toml\"\n");
+    assert_eq!(key(&second, &["deep/t.toml"]), original);
+    let absolute = second.path("deep/t.toml");
+    assert_eq!(key(&first, &[absolute.to_str().unwrap()]), original);
+    // Every change of a run changes its key: a value, the seed, the robot's bytes.
     let mut keys = vec![original];
-    keys.push(key(&here, &["s.toml", "--set", "duration=1"]));
-    keys.push(key(&here, &["s.toml", "--set", "seed=2"]));
-    let urdf = fs::read_to_string(here.path("block/block.urdf")).unwrap();
-    here.write("block/block.urdf", urdf.replace("0.76 0.60 0.42 1", "1 0 0 1"));
-    keys.push(key(&here, &["s.toml"]));
+    keys.push(key(&first, &["s.toml", "--set", "duration=1"]));
+    keys.push(key(&first, &["s.toml", "--set", "seed=2"]));
+    let urdf = fs::read_to_string(first.path("block/block.urdf")).unwrap();
+    first.write("block/block.urdf", urdf.replace("0.76 0.60 0.42 1", "1 0 0 1"));
+    keys.push(key(&first, &["s.toml"]));
     let mut distinct = keys.clone();
     distinct.sort();
     distinct.dedup();
@@ -118,7 +118,7 @@ fn keys_depend_on_content_not_on_paths() {
 #[test]
 fn contact_problems_are_written_on_request() {
     let place = Place::new();
-    // Three corners start below the floor and one above it: no state clamps just those.
+    // Three corners start below the floor and one above it. No state clamps exactly these three.
     place.block("s.toml", "[robot.base]\nposition = [0, 0, 0.049]\nrpy = [0.01, 0.02, 0]\n");
     let folder = |results: &str| {
         let key = place.summary(results).column("key")[0].to_owned();
@@ -139,7 +139,7 @@ fn contact_problems_are_written_on_request() {
     assert_eq!(problem.scenario, "s");
     assert_eq!(problem.selection.soles[0].name, "bottom");
 
-    // 200 steps with a selection each.
+    // 200 steps with one selection each.
     let fixed = ["--dump-problems=all", "--set", "integrator.method=semi-implicit", "--set", "integrator.step=1e-3"];
     let done = run("all", &fixed);
     assert_eq!(fs::read_dir(folder("all")).unwrap().count(), 100);
@@ -156,20 +156,20 @@ fn verdicts_are_printed_and_recorded() {
         "rest.toml",
         "[[expect]]\nmetric = \"final_base_z\"\nvalue = 0.05\nrelative_tolerance = 1e-9\n[[expect]]\nmetric = \"jams\"\nmax = 0\n[sweep]\nzip = [{ duration = [0.1, 0.2], \"expect.0.value\" = [0.05, 0.07] }]\n",
     );
-    let shown = |which: &[&str]| -> Vec<String> {
+    let verdict_lines = |which: &[&str]| -> Vec<String> {
         let arguments: Vec<&str> = ["rest.toml"].iter().chain(which).copied().collect();
         let done = place.runner(&arguments).exits(1);
         let lines = done.stdout.lines().skip_while(|l| !l.contains("measured")).skip(1);
         lines.take_while(|l| !l.contains("expectations held")).map(str::to_owned).collect()
     };
-    // 0.05 is right, 0.07 is not; the limits hold.
-    let values = shown(&["--verdicts", "values"]);
-    assert_eq!(values, shown(&["--verbose"]));
+    // 0.05 is right and 0.07 is wrong. The limits hold.
+    let values = verdict_lines(&["--verdicts", "values"]);
+    assert_eq!(values, verdict_lines(&["--verbose"]));
     assert_eq!(values.len(), 4, "two runs with a line each: {values:?}");
     assert!(values[0] == "rest duration=0.1" && values[1].ends_with("yes"), "{values:?}");
     assert!(values[3].contains("0.07  -2.0e-2    2.9e-1") && values[3].ends_with("NO"), "{values:?}");
-    assert_eq!(shown(&["--verdicts", "failed"]).len(), 2);
-    assert_eq!(shown(&["--verdicts", "all"]).len(), 6);
+    assert_eq!(verdict_lines(&["--verdicts", "failed"]).len(), 2);
+    assert_eq!(verdict_lines(&["--verdicts", "all"]).len(), 6);
     let done = place.runner(&["rest.toml"]).exits(1);
     let failed: Vec<&str> = done.stdout.lines().filter(|line| line.starts_with("failed rest ")).collect();
     assert!(failed.len() == 1 && failed[0].contains("(duration=0.2): final_base_z is 0.05"), "{}", done.stdout);

@@ -1,37 +1,39 @@
-//! The schemas that are kept in the tree for editors and other programs.
+//! Tests of the schemas and reference pages in `docs`.
 
 use std::fs;
 use std::path::Path;
 
 use super::Place;
 
-fn tree(path: &str) -> std::path::PathBuf {
+fn repository_path(path: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
 #[test]
-fn they_are_those_that_the_program_prints() {
+fn schema_files_equal_the_output_of_the_program() {
     let place = Place::new();
-    let mut kept: Vec<String> =
-        fs::read_dir(tree("docs/schema")).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-    kept.sort();
-    assert_eq!(kept, ["messages.json", "robot.json", "scenario.json"]);
+    let mut names: Vec<String> = fs::read_dir(repository_path("docs/schema"))
+        .unwrap()
+        .map(|e| e.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["messages.json", "robot.json", "scenario.json"]);
     for format in ["messages", "robot", "scenario"] {
         let file = format!("docs/schema/{format}.json");
         let printed = place.runner(&["schema", format]).exits(0).stdout;
         assert!(
-            fs::read_to_string(tree(&file)).unwrap() == printed,
+            fs::read_to_string(repository_path(&file)).unwrap() == printed,
             "{file} is not up to date: run `cargo run --release -- schema {format} > {file}`"
         );
     }
 }
 
-/// Every `#:schema` line of the tree leads from its file to a schema of its kind.
+/// Every `#:schema` line in the repository refers to the schema of its kind of file.
 #[test]
-fn lines_for_editors_lead_to_them() {
+fn schema_lines_refer_to_the_schema_files() {
     let mut found = 0;
     for (folder, schema) in [("scenarios", "scenario.json"), ("robots", "robot.json")] {
-        let mut folders = vec![tree(folder)];
+        let mut folders = vec![repository_path(folder)];
         while let Some(folder) = folders.pop() {
             for entry in fs::read_dir(folder).unwrap() {
                 let path = entry.unwrap().path();
@@ -47,7 +49,12 @@ fn lines_for_editors_lead_to_them() {
                     continue;
                 };
                 let target = path.parent().unwrap().join(target).canonicalize().unwrap();
-                assert_eq!(target, tree("docs/schema").join(schema).canonicalize().unwrap(), "{}", path.display());
+                assert_eq!(
+                    target,
+                    repository_path("docs/schema").join(schema).canonicalize().unwrap(),
+                    "{}",
+                    path.display()
+                );
                 found += 1;
             }
         }
@@ -56,36 +63,36 @@ fn lines_for_editors_lead_to_them() {
 }
 
 #[test]
-fn a_line_for_editors_changes_nothing() {
+fn a_schema_line_changes_no_key() {
     let place = Place::new();
     place.block("s.toml", "");
     let plain = place.runner(&["list", "s.toml"]).exits(0).stdout;
     let text = fs::read_to_string(place.path("s.toml")).unwrap();
     place.write("s.toml", format!("#:schema ../docs/schema/scenario.json\n{text}"));
-    assert_eq!(place.runner(&["list", "s.toml"]).exits(0).stdout, plain, "not even the key");
+    assert_eq!(place.runner(&["list", "s.toml"]).exits(0).stdout, plain, "the key must not change either");
     let robot = fs::read_to_string(place.path("block/block.toml")).unwrap();
     place.write("block/block.toml", format!("#:schema ../docs/schema/robot.json\n{robot}"));
     place.runner(&["check", "s.toml"]).exits(0);
 }
 
-/// The pages are those that the program prints. Every key, table, word and form on them says what it means.
+/// The pages equal the output of the program. Every key, table, name and form has a description.
 #[test]
-fn reference_pages_are_up_to_date_and_whole() {
+fn reference_pages_are_up_to_date_and_complete() {
     let place = Place::new();
     for format in ["messages", "robot", "scenario"] {
         let file = format!("docs/reference/{format}.md");
         let printed = place.runner(&["schema", format, "--markdown"]).exits(0).stdout;
         assert!(
-            fs::read_to_string(tree(&file)).unwrap() == printed,
+            fs::read_to_string(repository_path(&file)).unwrap() == printed,
             "{file} is not up to date: run `cargo run --release -- schema {format} --markdown > {file}`"
         );
         for line in printed.lines() {
             assert!(
                 !line.starts_with('|') || !line.trim_end_matches('|').trim_end().ends_with('|'),
-                "no meaning: {line}"
+                "no description: {line}"
             );
         }
-        // Links lead to sections, each of which is there once.
+        // Each link target exists exactly once.
         let anchors: Vec<&str> =
             printed.lines().filter_map(|l| l.strip_prefix("<a id=\"")?.strip_suffix("\"></a>")).collect();
         let mut targets: Vec<&str> = printed.split("](#").skip(1).filter_map(|rest| rest.split(')').next()).collect();
@@ -97,7 +104,7 @@ fn reference_pages_are_up_to_date_and_whole() {
     }
 }
 
-/// No key of the schema is missing on its page, wherever it is nested.
+/// Each page has every key of its schema, at every level of nesting.
 #[test]
 fn reference_pages_have_every_key() {
     fn keys(node: &serde_json::Value, found: &mut Vec<String>) {
@@ -111,16 +118,16 @@ fn reference_pages_have_every_key() {
         }
     }
     for (format, least) in [("messages", 40), ("robot", 40), ("scenario", 200)] {
-        let schema = fs::read_to_string(tree(&format!("docs/schema/{format}.json"))).unwrap();
-        let page = fs::read_to_string(tree(&format!("docs/reference/{format}.md"))).unwrap();
-        let mut wanted = Vec::new();
-        keys(&serde_json::from_str(&schema).unwrap(), &mut wanted);
-        assert!(wanted.len() >= least, "{format}: {}", wanted.len());
-        for key in wanted {
-            // In a line of its own, inside the line of a small table, or as the word that tells variants apart.
-            let ways =
+        let schema = fs::read_to_string(repository_path(&format!("docs/schema/{format}.json"))).unwrap();
+        let page = fs::read_to_string(repository_path(&format!("docs/reference/{format}.md"))).unwrap();
+        let mut expected = Vec::new();
+        keys(&serde_json::from_str(&schema).unwrap(), &mut expected);
+        assert!(expected.len() >= least, "{format}: {}", expected.len());
+        for key in expected {
+            // In its own line, within the line of a small table, or as the tag of a variant.
+            let forms =
                 [format!("| `{key}` |"), format!("`{key}`: "), format!("`{key} = \""), format!("`\"{key}\": \"")];
-            assert!(ways.iter().any(|way| page.contains(way)), "{format}: {key}");
+            assert!(forms.iter().any(|form| page.contains(form)), "{format}: {key}");
         }
     }
 }

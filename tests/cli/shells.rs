@@ -1,10 +1,10 @@
-//! What shells and manuals are told, and colours.
+//! Tests of shell completions, manual pages and colours.
 
 use std::process::Command;
 
 use super::Place;
 
-/// Commands as `--help` names them.
+/// Commands listed by `--help`.
 pub fn commands(place: &Place) -> Vec<String> {
     let help = place.runner(&["--help"]).exits(0).stdout;
     let listed = help.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| line.starts_with("  "));
@@ -13,25 +13,25 @@ pub fn commands(place: &Place) -> Vec<String> {
 }
 
 #[test]
-fn completions_know_every_command_and_their_options_in_every_shell() {
+fn completions_of_every_shell_contain_all_commands_and_options() {
     let place = Place::new();
     let commands = commands(&place);
     assert!(commands.len() >= 10, "{commands:?}");
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let script = place.runner(&["completions", shell]).exits(0).stdout;
         for word in commands.iter().map(String::as_str).chain(["message-format", "max-fail", "junit", "filter"]) {
-            assert!(script.contains(word), "{shell} does not know {word}");
+            assert!(script.contains(word), "{shell} lacks {word}");
         }
     }
     place.runner(&["completions", "tcsh"]).exits(2);
 }
 
-/// Bash is asked itself, where there is one.
+/// Runs the completion in Bash, if Bash is installed.
 #[test]
-fn bash_completes_with_the_script() {
+fn bash_completes_commands_and_options() {
     let place = Place::new();
     if Command::new("bash").arg("--version").output().is_err() {
-        eprintln!("no bash here: nothing shown");
+        eprintln!("Bash is not installed: test skipped");
         return;
     }
     place.write("runner.bash", place.runner(&["completions", "bash"]).exits(0).stdout);
@@ -53,21 +53,21 @@ fn bash_completes_with_the_script() {
 }
 
 #[test]
-fn the_manual_has_a_page_per_command() {
+fn the_manual_has_one_page_per_command() {
     let place = Place::new();
     let page = place.runner(&["man"]).exits(0).stdout;
     assert!(page.contains(".TH runner 1") && page.contains("EXIT STATUS"), "{page}");
-    assert!(page.contains("runner\\-run(1)") && !page.contains("runner\\-help"), "pages that are there: {page}");
+    assert!(page.contains("runner\\-run(1)") && !page.contains("runner\\-help"), "only existing pages: {page}");
     place.runner(&["man", "--folder", "man/man1"]).exits(0);
     let mut pages: Vec<String> = std::fs::read_dir(place.path("man/man1"))
         .unwrap()
         .map(|e| e.unwrap().file_name().into_string().unwrap())
         .collect();
     pages.sort();
-    let mut wanted: Vec<String> = commands(&place).iter().map(|command| format!("runner-{command}.1")).collect();
-    wanted.push("runner.1".into());
-    wanted.sort();
-    assert_eq!(pages, wanted);
+    let mut expected: Vec<String> = commands(&place).iter().map(|command| format!("runner-{command}.1")).collect();
+    expected.push("runner.1".into());
+    expected.sort();
+    assert_eq!(pages, expected);
     let run = std::fs::read_to_string(place.path("man/man1/runner-run.1")).unwrap();
     assert!(run.contains("\\-\\-max\\-fail"), "{run}");
     place.write("file", "");
@@ -75,9 +75,9 @@ fn the_manual_has_a_page_per_command() {
     assert!(done.stderr.contains("cannot write file/man"), "{}", done.stderr);
 }
 
-/// Nothing here is a terminal; what a terminal shows is shown when it is asked for.
+/// The output of this test is a pipe, so colours appear only if they are forced.
 #[test]
-fn colours_are_shown_when_asked_for_and_not_to_pipes() {
+fn colours_are_used_when_forced_and_not_in_pipes() {
     let place = Place::new();
     place.block("broken.toml", "[floor]\nfrction = 1\n");
     let coloured = |arguments: &[&str], variables: &[(&str, &str)]| {
@@ -96,9 +96,9 @@ fn colours_are_shown_when_asked_for_and_not_to_pipes() {
         assert!(!coloured(&wrong, &[("CLICOLOR", "1")]));
         assert!(coloured(&wrong, &[("CLICOLOR_FORCE", "1")]));
         assert!(!coloured(&wrong, &[("CLICOLOR_FORCE", "0")]));
-        assert!(!coloured(&wrong, &[("CLICOLOR_FORCE", "1"), ("NO_COLOR", "1")]), "no is stronger");
-        assert!(coloured(&wrong, &[("CLICOLOR_FORCE", "1"), ("NO_COLOR", "")]), "an empty one is none");
-        assert!(coloured(&with("--color=always"), &[("NO_COLOR", "1")]), "what is typed is stronger");
+        assert!(!coloured(&wrong, &[("CLICOLOR_FORCE", "1"), ("NO_COLOR", "1")]), "NO_COLOR takes precedence");
+        assert!(coloured(&wrong, &[("CLICOLOR_FORCE", "1"), ("NO_COLOR", "")]), "an empty variable counts as unset");
+        assert!(coloured(&with("--color=always"), &[("NO_COLOR", "1")]), "the option takes precedence");
         assert!(!coloured(&with("--color=never"), &[("CLICOLOR_FORCE", "1")]));
         assert!(!coloured(&with("--color=auto"), &[]));
     }

@@ -1,19 +1,19 @@
-//! What the program says, word by word: help, mistakes, the table. Looked at when it changes:
-//! `INSTA_UPDATE=always cargo test --release --test suite snapshots` writes the files anew, and their difference is reviewed.
+//! Snapshots of the exact output: help, errors, tables. To update them, run
+//! `INSTA_UPDATE=always cargo test --release --test suite snapshots` and review the differences.
 
 use super::{Done, Place};
 
-/// Is the text the one in `snapshots/<name>.snap`?
+/// Asserts that the text equals `snapshots/<name>.snap`.
 #[track_caller]
-fn same(name: &str, text: &str) {
+fn assert_matches_snapshot(name: &str, text: &str) {
     let mut settings = insta::Settings::clone_current();
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
     settings.bind(|| insta::assert_snapshot!(name, text));
 }
 
-/// What was said, standard error after standard output.
-fn said(done: &Done) -> String {
+/// Exit code, standard output and standard error as one text.
+fn full_output(done: &Done) -> String {
     let mut out = format!("exit code {}\n", done.code.unwrap());
     for (name, text) in [("stdout", &done.stdout), ("stderr", &done.stderr)] {
         if !text.is_empty() {
@@ -34,15 +34,15 @@ fn help() {
         if command != "runner" {
             arguments.insert(0, command);
         }
-        // The width of a terminal that is not there.
+        // A fixed width, because the output is no terminal.
         let done = Done::from(place.command(&arguments).env("COLUMNS", "100").output().unwrap()).exits(0);
         let text: Vec<&str> = done.stdout.lines().map(str::trim_end).collect();
-        same(&format!("help-{command}"), &text.join("\n"));
+        assert_matches_snapshot(&format!("help-{command}"), &text.join("\n"));
     }
 }
 
 #[test]
-fn mistakes() {
+fn errors() {
     let place = Place::new();
     let robot = std::fs::read_to_string(place.path("block/block.toml")).unwrap();
     let urdf = std::fs::read_to_string(place.path("block/block.urdf")).unwrap();
@@ -79,11 +79,11 @@ fn mistakes() {
         ("usage-command-late", &["--color", "never", "check", "good.toml"]),
         ("usage-no-file", &["nothing.toml"]),
     ] {
-        same(&format!("mistake-{name}"), &said(&place.runner(arguments)));
+        assert_matches_snapshot(&format!("mistake-{name}"), &full_output(&place.runner(arguments)));
     }
 }
 
-/// What depends on the machine, the moment and the version is left out of sight.
+/// Replaces keys and times, which depend on the version and the machine.
 fn redacted(text: &str, place: &Place, results: &str) -> String {
     let summary = place.summary(results);
     let mut text = text.to_owned();
@@ -96,7 +96,7 @@ fn redacted(text: &str, place: &Place, results: &str) -> String {
                 ["passed", "failed"].iter().any(|word| line.contains(&format!(" {word} "))) && line.contains("exact");
             let cells: Vec<&str> = line.split_whitespace().collect();
             match () {
-                // The table: simulated time stays, wall time and their ratio go.
+                // The table: keeps simulated time, replaces wall time and real-time factor.
                 () if times && cells.len() >= 7 => {
                     let at = cells.iter().position(|c| *c == "passed" || *c == "failed").unwrap();
                     let shown = cells
@@ -105,7 +105,7 @@ fn redacted(text: &str, place: &Place, results: &str) -> String {
                         .map(|(i, c)| if [at + 2, at + 3].contains(&i) { "<time>" } else { *c });
                     shown.collect::<Vec<_>>().join("  ")
                 }
-                // The overview: processor time goes.
+                // The overview: replaces processor time.
                 () if line.starts_with("slide ") && line.contains(" of ") => {
                     [&cells[..cells.len() - 1], &["<time>"]].concat().join(" ")
                 }
@@ -121,17 +121,17 @@ fn redacted(text: &str, place: &Place, results: &str) -> String {
 }
 
 #[test]
-fn a_batch() {
+fn batch_and_list() {
     let place = Place::new();
     place.block(
         "slide.toml",
-        // Figures that no rounding changes.
+        // Numbers without rounding errors.
         "base = { linear_velocity = [0.2, 0, 0] }\n[[expect]]\nmetric = \"duration_s\"\nmax = 0.2\n\
          [[expect]]\nmetric = \"impacts\"\nvalue = 0\ntolerance = 0.5\n\
          [sweep]\ngrid = { duration = [0.125, 0.25], \"floor.friction\" = [0.1] }\n",
     );
     let done = place.runner(&["slide.toml", "-j", "1"]).exits(1);
-    same("batch", &redacted(&said(&done), &place, "results"));
+    assert_matches_snapshot("batch", &redacted(&full_output(&done), &place, "results"));
     let done = place.runner(&["list", "slide.toml"]).exits(0);
-    same("list", &redacted(&said(&done), &place, "results"));
+    assert_matches_snapshot("list", &redacted(&full_output(&done), &place, "results"));
 }

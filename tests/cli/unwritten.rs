@@ -1,12 +1,12 @@
-//! Standard output that takes nothing, and exit codes in helps, manual and documentation.
+//! Tests of unwritable output, and of the exit codes in help, manual pages and documentation.
 #![cfg(unix)]
 
 use std::path::Path;
 
 use super::{Done, Place};
 
-/// Runs a line of a shell whose standard output is a full device.
-fn full(place: &Place, arguments: &str) -> Done {
+/// Runs the program with standard output redirected to a full device.
+fn run_with_full_stdout(place: &Place, arguments: &str) -> Done {
     place.shell(&format!("exec \"$0\" {arguments} > /dev/full"))
 }
 
@@ -22,7 +22,7 @@ fn folder_of_run(results: &Path) -> std::path::PathBuf {
 }
 
 #[test]
-fn output_that_nobody_got_is_3_whatever_the_command() {
+fn unwritable_standard_output_exits_with_3_for_every_command() {
     let place = with_results();
     let run = folder_of_run(&place.path("results")).display().to_string();
     for arguments in [
@@ -44,35 +44,37 @@ fn output_that_nobody_got_is_3_whatever_the_command() {
         &format!("export {run}"),
         &format!("replay {run}"),
     ] {
-        let done = full(&place, arguments).exits(3);
-        let told = done.stderr.matches("error: cannot write to standard output: No space left on device").count();
-        assert_eq!(told, 1, "{arguments}: {}", done.stderr);
+        let done = run_with_full_stdout(&place, arguments).exits(3);
+        let count = done.stderr.matches("error: cannot write to standard output: No space left on device").count();
+        assert_eq!(count, 1, "{arguments}: {}", done.stderr);
     }
 }
 
-/// Mistakes are told on standard error, which standard output does not touch.
+/// Usage errors go to standard error, so a full standard output does not change them.
 #[test]
-fn mistakes_of_the_command_line_are_2_all_the_same() {
+fn usage_errors_exit_with_2_despite_a_full_standard_output() {
     let place = Place::new();
     for arguments in ["", "chek --nothing", "run --format", "list"] {
-        let done = full(&place, arguments).exits(2);
+        let done = run_with_full_stdout(&place, arguments).exits(2);
         assert!(done.stderr.contains("Usage: ") && !done.stderr.contains("cannot write"), "{}", done.stderr);
     }
 }
 
 #[test]
-fn runs_are_made_although_nobody_can_be_told() {
-    for (format, told) in [("human", "human"), ("json", "json")] {
+fn runs_finish_although_standard_output_is_full() {
+    for (format, results) in [("human", "human"), ("json", "json")] {
         let place = Place::new();
         place.block("s.toml", "[sweep]\ngrid = { \"floor.friction\" = [0.2, 0.4] }\n");
-        let done = full(&place, &format!("s.toml --set duration=0.05 -o {told} --message-format {format}")).exits(3);
+        let done =
+            run_with_full_stdout(&place, &format!("s.toml --set duration=0.05 -o {results} --message-format {format}"))
+                .exits(3);
         assert_eq!(done.stderr.matches("cannot write to standard output").count(), 1, "{}", done.stderr);
-        assert_eq!(place.summary(told).column("outcome"), ["passed", "passed"]);
+        assert_eq!(place.summary(results).column("outcome"), ["passed", "passed"]);
     }
 }
 
 #[test]
-fn a_pipe_that_was_closed_is_no_trouble() {
+fn a_pipe_closed_by_head_is_no_error() {
     let place = with_results();
     place.block("many.toml", "[sweep]\nrepeat = 5000\n");
     for arguments in
@@ -83,9 +85,9 @@ fn a_pipe_that_was_closed_is_no_trouble() {
     }
 }
 
-/// A disk that is full is not the mistake of who named the file; a place where there can be no file is.
+/// A path that cannot hold a file is a usage error (2). A full disk is not (3).
 #[test]
-fn files_that_cannot_be_written() {
+fn unwritable_files_exit_with_2_or_3() {
     let place = with_results();
     let run = folder_of_run(&place.path("results")).display().to_string();
     place.write("file", "");
@@ -96,23 +98,23 @@ fn files_that_cannot_be_written() {
         let limited = format!("trap '' XFSZ; ulimit -f 1; exec \"$0\" {arguments} small.{ending}");
         let done = place.shell(&limited).exits(3);
         assert!(done.stderr.contains(&format!("small.{ending}: File too large")), "{}", done.stderr);
-        assert!(!place.path(&format!("small.{ending}")).exists(), "half a file");
-        // Folders that are missing are made, as of all outputs.
+        assert!(!place.path(&format!("small.{ending}")).exists(), "a partial file is left");
+        // Missing folders are created, as for all outputs.
         place.shell(&format!("exec \"$0\" {arguments} new/{ending}/it.{ending}")).exits(0);
         assert!(place.path(&format!("new/{ending}/it.{ending}")).exists());
     }
 }
 
-/// Code and meaning, from below a help.
-fn of_help(place: &Place, command: &[&str]) -> Vec<(String, String)> {
+/// Exit codes and their meanings from the help of a command.
+fn exit_codes_in_help(place: &Place, command: &[&str]) -> Vec<(String, String)> {
     let help = place.runner(&[command, &["--help"]].concat()).exits(0).stdout;
     let (_, below) = help.split_once("Exit codes:\n").unwrap_or_else(|| panic!("{command:?} has none:\n{help}"));
     let mut codes: Vec<(String, String)> = Vec::new();
-    // Other things may be said after an empty line.
+    // Other text may follow after an empty line.
     for line in below.lines().take_while(|line| !line.is_empty()) {
         assert!(line.chars().count() <= 80, "{line}");
         match line.strip_prefix("  ").and_then(|l| l.split_once(' ')).filter(|(code, _)| code.parse::<u8>().is_ok()) {
-            Some((code, words)) => codes.push((code.into(), words.trim().into())),
+            Some((code, text)) => codes.push((code.into(), text.trim().into())),
             None => codes.last_mut().unwrap().1 += &format!(" {}", line.trim()),
         }
     }
@@ -120,7 +122,7 @@ fn of_help(place: &Place, command: &[&str]) -> Vec<(String, String)> {
 }
 
 #[test]
-fn help_manual_and_documentation_have_one_table() {
+fn help_manual_and_documentation_agree_on_exit_codes() {
     let place = Place::new();
     let docs = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/ci.md")).unwrap();
     let mut documented: Vec<(String, String, String)> = Vec::new();
@@ -136,30 +138,30 @@ fn help_manual_and_documentation_have_one_table() {
     }
     place.runner(&["man", "--folder", "man"]).exits(0);
     for command in super::shells::commands(&place) {
-        let found = of_help(&place, &[&command]);
-        let mine = documented.iter().filter(|(commands, ..)| commands.split(", ").any(|c| c == command));
-        let mine: Vec<(String, String)> = mine.map(|(_, code, words)| (code.clone(), words.clone())).collect();
-        assert_eq!(found, mine, "`runner {command} --help` and docs/ci.md");
+        let from_help = exit_codes_in_help(&place, &[&command]);
+        let from_docs = documented.iter().filter(|(commands, ..)| commands.split(", ").any(|c| c == command));
+        let from_docs: Vec<(String, String)> = from_docs.map(|(_, code, text)| (code.clone(), text.clone())).collect();
+        assert_eq!(from_help, from_docs, "`runner {command} --help` and docs/ci.md");
         let page = std::fs::read_to_string(place.path(&format!("man/runner-{command}.1"))).unwrap();
         let (_, status) = page.split_once(".SH \"EXIT STATUS\"").unwrap_or_else(|| panic!("{page}"));
-        for (code, words) in &found {
-            // Hyphens are written otherwise there.
-            let wanted = format!(".TP\n\\fB{code}\\fR\n{}", words.replace('-', "\\-"));
-            assert!(status.contains(&wanted), "{command}: no {wanted} in {status}");
+        for (code, text) in &from_help {
+            // Manual pages escape hyphens.
+            let expected = format!(".TP\n\\fB{code}\\fR\n{}", text.replace('-', "\\-"));
+            assert!(status.contains(&expected), "{command}: no {expected} in {status}");
         }
         assert!(!page.contains("EXTRA"), "{page}");
     }
-    assert_eq!(of_help(&place, &[]), of_help(&place, &["run"]));
+    assert_eq!(exit_codes_in_help(&place, &[]), exit_codes_in_help(&place, &["run"]));
     let submit = std::fs::read_to_string(place.path("man/runner-submit.1")).unwrap();
-    let (_, notes) = submit.split_once(".SH NOTES").expect("what else its help says");
+    let (_, notes) = submit.split_once(".SH NOTES").expect("notes after the exit codes");
     assert!(notes.contains("The same command again completes what is missing"), "{notes}");
     let run = std::fs::read_to_string(place.path("man/runner-run.1")).unwrap();
     assert!(run.contains("<\\fISCENARIO\\fR>..."), "{run}");
 }
 
-/// What else there is to tell is told all the same.
+/// The table and the written files are still printed.
 #[test]
-fn test_results_that_nobody_got_are_3_below_the_table() {
+fn unwritable_test_results_exit_with_3_after_the_table() {
     let place = Place::new();
     place.block("s.toml", "");
     let arguments = ["s.toml", "--set", "duration=0.05", "--junit", "/dev/full"];

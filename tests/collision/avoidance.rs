@@ -1,4 +1,4 @@
-//! For any desired motion the commands are free of collisions and within the limits; an
+//! For any desired motion the commands are free of collisions and within the limits. An
 //! unobstructed motion is unchanged.
 
 use super::cbi;
@@ -20,8 +20,8 @@ static CBI: LazyLock<(Robot, Arc<CollisionModel>)> = LazyLock::new(|| {
 /// A desired motion: posture and velocity at a time.
 type Motion = dyn Fn(f64) -> (Vec<f64>, Vec<f64>);
 
-/// Three sines for each joint, around the middle of its range, that begin within a second from
-/// home; `width` is how much of the range they fill at most.
+/// Three sines for each joint, around the middle of its range, that fade in within a second from
+/// home; `width` is the greatest share of the range that they fill.
 fn sines(model: &Model, seed: u64, frequency: f64, width: f64) -> Box<Motion> {
     let mut r = Stream::new(seed, &["sines"]);
     let parts: Vec<[[f64; 2]; 3]> = model
@@ -59,10 +59,10 @@ struct Bench {
     commanded: Vec<Vec<f64>>,
     detector: Detector,
     poses: Vec<LinkPose>,
-    /// Smallest distance of any watched pair met on straight lines from tick to tick.
+    /// Smallest distance of any monitored pair on straight lines from tick to tick.
     least: f64,
-    /// Of these, ticks whose desired posture is within the margin.
-    told_near: u64,
+    /// Number of ticks whose desired posture is within the margin.
+    desired_near: u64,
 }
 
 impl Bench {
@@ -80,7 +80,7 @@ impl Bench {
             detector: Detector::new(collision),
             poses: vec![LinkPose::IDENTITY; model.links.len()],
             least: f64::INFINITY,
-            told_near: 0,
+            desired_near: 0,
         }
     }
 
@@ -108,13 +108,13 @@ impl Bench {
         self.detector.closest(&CBI.1, f64::INFINITY).expect("there are pairs").distance
     }
 
-    /// Ticks `motion` for some seconds and checks the motion between the ticks, too.
+    /// Runs `motion` for some seconds, and checks the motion between the ticks too.
     fn run(&mut self, motion: &Motion, seconds: f64) {
         for _ in 0..(seconds / self.period).round() as u64 {
-            let recorded = motion(self.tick as f64 * self.period);
-            let near = self.distance(&recorded.0) < MARGIN;
-            self.told_near += u64::from(near);
-            self.tick_once(recorded);
+            let desired = motion(self.tick as f64 * self.period);
+            let near = self.distance(&desired.0) < MARGIN;
+            self.desired_near += u64::from(near);
+            self.tick_once(desired);
             for part in [0.25, 0.5, 0.75, 1.0] {
                 let [.., a, b] = self.commanded.as_slice() else { unreachable!() };
                 let q: Vec<f64> = a.iter().zip(b).map(|(a, b)| a + part * (b - a)).collect();
@@ -123,13 +123,13 @@ impl Bench {
         }
     }
 
-    /// Are the limits kept over the last ticks? Differences of positions are means of the
-    /// derivatives, so below their bounds.
+    /// Checks the limits over the last ticks. Differences of positions are means of the
+    /// derivatives, so they are below their bounds.
     fn check_limits(&self) {
         self.check_limits_but(None);
     }
 
-    /// The same but for a joint.
+    /// The same, except for one joint.
     fn check_limits_but(&self, except: Option<usize>) {
         let [d, c, b, a] = self.commanded.as_slice() else { unreachable!() };
         let h = self.period;
@@ -138,11 +138,11 @@ impl Bench {
             let rates = [(a - b) / h, (a - 2.0 * b + c) / h.powi(2), (a - 3.0 * b + 3.0 * c - d) / h.powi(3)];
             let bounds = [limit.speed, limit.acceleration, limit.jerk];
             for (k, (rate, bound)) in rates.iter().zip(bounds).enumerate() {
-                // Roundings of positions of about 1, each 1e-16, eight times in the third
+                // Rounding of positions of about 1, each 1e-16, eight times in the third
                 // difference.
                 let rounding = 2e-15 / h.powi(k as i32 + 1);
-                // Where velocities are commanded their change is the mean acceleration a tick ago:
-                // one tick of jerk.
+                // Where velocities are commanded, their change is the mean acceleration one tick
+                // earlier: one tick of jerk.
                 let more = if k == 1 { limit.jerk * h } else { 1e-3 * bound };
                 assert!(
                     rate.abs() <= bound + more + rounding,
@@ -151,7 +151,7 @@ impl Bench {
                     self.tick
                 );
             }
-            // Ranges are kept to 1e-9 of the position and 1e-9 rad.
+            // Ranges hold to 1e-9 of the position and 1e-9 rad.
             let tolerance = 1e-9 * (2.0 + a.abs());
             assert!(a >= limit.lower - tolerance && a <= limit.upper + tolerance, "{j} at {a}");
         }
@@ -159,33 +159,33 @@ impl Bench {
 }
 
 #[test]
-fn no_method_lets_bodies_touch() {
+fn every_method_prevents_contact_between_bodies() {
     for method in 1..=4 {
-        // At 1 and 2 Hz what is foreseen is far from what comes: the guard between the cycles has
-        // to see it.
+        // At 1 and 2 Hz the prediction is far from the actual motion; the guard between the cycles
+        // has to detect it.
         for (seed, frequency, rate) in [(1, 0.1, 10.0), (2, 0.4, 10.0), (2, 0.4, 1.0), (3, 0.3, 2.0)] {
             let motion = sines(&CBI.0.model, seed, frequency, 0.99);
             let mut bench = Bench::new(method, rate, 0.002);
             bench.run(&motion, 20.0);
-            // The proof is exact to rounding; between two ticks the path bends by at most 50 h^2 /
-            // 8 from the straight line, 25 um with all joints of a chain of 1 m: less than the room
-            // that is left by the resolution of the proof.
+            // The proof is exact to rounding. Between two ticks the path deviates by at most 50 h^2
+            // / 8 from the straight line, 25 um with all joints of a chain of 1 m. This is less
+            // than the allowance for the resolution of the proof.
             assert!(bench.least >= MARGIN - 5e-5, "method {method}: {}", bench.least);
-            // It had to do something.
-            assert!(bench.told_near > 100, "{}", bench.told_near);
+            // The test is only meaningful if the avoider had to act.
+            assert!(bench.desired_near > 100, "{}", bench.desired_near);
         }
     }
 }
 
 #[test]
-fn limits_hold_on_smooth_and_on_broken_motions() {
+fn limits_hold_on_smooth_and_discontinuous_motions() {
     let model = &CBI.0.model;
     let smooth = sines(model, 3, 0.2, 0.99);
     let mut r = Stream::new(4, &["jumps"]);
     let postures: Vec<Vec<f64>> = (0..20)
         .map(|_| model.joints.iter().map(|j| j.lower + (j.upper - j.lower) * (1.2 * r.unit() - 0.1)).collect())
         .collect();
-    // A new posture at once every half a second, beyond the ranges, too.
+    // A jump to a new posture every half a second, also beyond the ranges.
     let jumps = move |t: f64| {
         let posture = &postures[(t / 0.5) as usize % postures.len()];
         (posture.clone(), vec![0.0; posture.len()])
@@ -204,7 +204,7 @@ fn limits_hold_on_smooth_and_on_broken_motions() {
 #[test]
 fn free_joints_keep_their_commands() {
     let model = &CBI.0.model;
-    // The head alone, slowly: nothing comes near.
+    // The head alone moves, slowly, far from everything.
     let motion = sines(model, 5, 0.1, 0.9);
     let head = ["B_HN", "B_HR"].map(|n| model.joint(n).expect("it is there").0);
     let mut bench = Bench::new(2, 10.0, 0.002);
@@ -218,25 +218,25 @@ fn free_joints_keep_their_commands() {
 }
 
 #[test]
-fn the_other_joints_go_on_by_method_2_and_all_stop_by_method_1() {
+fn method_1_stops_all_joints_and_method_2_only_the_obstructed_ones() {
     let model = &CBI.0.model;
     let joint = |name: &str| model.joint(name).expect("it is there").0;
-    // The right hand into the thigh; the left arm and the head go their way.
+    // The right hand moves into the thigh; the left arm and the head move freely.
     let mut goal = model.home.clone();
     for (name, angle) in [("R_SAA", 0.0f64), ("R_HR", -45.0), ("R_WFE", -20.0), ("L_SFE", 40.0), ("B_HN", 15.0)] {
         goal[joint(name)] = angle.to_radians();
     }
-    let recorded = move |t: f64| {
+    let desired = move |t: f64| {
         let s = (t / 2.0).min(1.0);
         let (x, v) = (s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s), 15.0 * (s * (1.0 - s)).powi(2));
         let way: Vec<f64> = goal.iter().zip(&model.home).map(|(g, h)| g - h).collect();
         (model.home.iter().zip(&way).map(|(h, w)| h + x * w).collect(), way.iter().map(|w| v * w).collect())
     };
     let mut missed = Vec::new();
-    let goal = recorded(9.0).0;
+    let goal = desired(9.0).0;
     for method in 1..=4 {
         let mut bench = Bench::new(method, 10.0, 0.002);
-        bench.run(&recorded, 4.0);
+        bench.run(&desired, 4.0);
         let last = bench.commanded[3].clone();
         let off = |name: &str| (last[joint(name)] - goal[joint(name)]).abs();
         assert!(bench.least >= MARGIN - 5e-5, "method {method}: {}", bench.least);
@@ -244,16 +244,16 @@ fn the_other_joints_go_on_by_method_2_and_all_stop_by_method_1() {
             assert!(off("L_SFE") > 0.1 && off("B_HN") > 0.05, "{last:?}");
             assert!(bench.avoider.stopped().iter().all(|f| *f));
         } else {
-            // To rounding of the sums that a path is made of, or exactly, where it is free.
+            // Reached up to rounding of the path's sums, or exactly where the path is free.
             assert!(off("L_SFE") < 1e-9 && off("B_HN") < 1e-9, "{last:?}");
-            // The waist is at its goal: stopped with the arm, and never moved.
+            // The waist is at its goal: it stopped with the arm and never moved.
             assert!(["B_TR", "B_TAA", "B_TFE"].iter().all(|n| off(n) == 0.0), "{last:?}");
             let stopped = bench.avoider.stopped();
             assert!(stopped[joint("R_SAA")] && !stopped[joint("L_SFE")] && !stopped[joint("B_HN")]);
         }
         missed.push(["R_SAA", "R_HR", "R_WFE"].iter().map(|n| off(n).powi(2)).sum::<f64>());
     }
-    // Random postures bring the hand nearer to where it cannot be.
+    // Random postures bring the hand nearer to its unreachable goal.
     assert!(missed[2] < 0.9 * missed[1] && missed[3] < 0.9 * missed[1], "{missed:?}");
 }
 
@@ -265,14 +265,14 @@ fn a_removed_obstacle_is_forgotten() {
         let mut bench = Bench::new(method, 10.0, 0.002);
         bench.run(&*motion, 15.0);
         assert!(bench.avoider.statistics.blocked > 0);
-        // Back to home at once: it arrives, and commands equal the desired posture.
+        // A jump back to home: the robot arrives, and commands equal the desired posture.
         for _ in 0..3000 {
             bench.tick_once((model.home.clone(), vec![0.0; model.nj()]));
             bench.check_limits();
         }
         let (commanded, _) = bench.tick_once((model.home.clone(), vec![0.0; model.nj()]));
         let off = commanded.iter().zip(&model.home).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        // Method 1 to 3 may find no way.
+        // Methods 1 to 3 may find no path.
         if method == 4 {
             assert!(off < 1e-9, "method {method}: {off}");
         }
@@ -280,19 +280,19 @@ fn a_removed_obstacle_is_forgotten() {
 }
 
 #[test]
-fn uncontrolled_joints_are_taken_at_their_measured_positions() {
+fn uncontrolled_joints_use_their_measured_positions() {
     let model = &CBI.0.model;
     let n = model.nj();
     let joint = |name: &str| model.joint(name).expect("it is there").0;
-    // The right shoulder is limp and hangs 8 degrees nearer to the body than commanded: the
-    // forearm, commanded through the thigh, must stop for where it is.
+    // The right shoulder is limp and hangs 8 degrees nearer to the body than commanded. The
+    // forearm, commanded through the thigh, must stop for the shoulder's measured position.
     let mut bench = Bench::new(2, 10.0, 0.002);
     let limp = joint("R_SAA");
     let follows: Vec<bool> = (0..n).map(|j| j != limp).collect();
     let mut measured = model.home.clone();
     measured[limp] = 0.0;
     let rates = vec![0.0; n];
-    let mut told_near = 0;
+    let mut desired_near = 0;
     for k in 0..2000 {
         let t = f64::from(k) * 0.002;
         let x = (t / 2.0).min(1.0);
@@ -301,9 +301,9 @@ fn uncontrolled_joints_are_taken_at_their_measured_positions() {
             position[joint(name)] = angle.to_radians() * x.powi(3) * (10.0 - 15.0 * x + 6.0 * x * x);
             velocity[joint(name)] = angle.to_radians() * 15.0 * (x * (1.0 - x)).powi(2);
         }
-        let mut recorded = position.clone();
-        recorded[limp] = 0.0;
-        told_near += u32::from(bench.distance(&recorded) < MARGIN);
+        let mut desired = position.clone();
+        desired[limp] = 0.0;
+        desired_near += u32::from(bench.distance(&desired) < MARGIN);
         let mut commanded = JointCommands {
             follows: &follows,
             measured: &measured,
@@ -312,12 +312,12 @@ fn uncontrolled_joints_are_taken_at_their_measured_positions() {
             velocity: &mut velocity,
         };
         bench.avoider.tick(model, t, &mut commanded);
-        // Its own entry is left as the task has it.
+        // The limp joint's own entry keeps the task's value.
         assert_eq!(position[limp], model.home[limp]);
         position[limp] = 0.0;
         assert!(bench.distance(&position) > MARGIN, "at {t}");
     }
-    assert!(told_near > 100, "{told_near}");
+    assert!(desired_near > 100, "{desired_near}");
     assert!(bench.avoider.statistics.blocked > 0);
 }
 
@@ -332,7 +332,7 @@ fn repeated_runs_have_equal_bits_without_allocation() {
         for k in 0..4000 {
             let t = f64::from(k) * 0.002;
             let (mut position, mut velocity) = motion(t);
-            let recorded = (position.clone(), velocity.clone());
+            let desired = (position.clone(), velocity.clone());
             let mut commanded = JointCommands {
                 follows: &follows,
                 measured: &zero,
@@ -340,17 +340,20 @@ fn repeated_runs_have_equal_bits_without_allocation() {
                 position: &mut position,
                 velocity: &mut velocity,
             };
-            let made = allocations::count(|| one.avoider.tick(model, t, &mut commanded));
-            assert_eq!(made, 0, "method {method}, tick {k}");
-            let (again, _) = other.tick_once(recorded);
-            assert!(again.iter().zip(&position).all(|(a, b)| a.to_bits() == b.to_bits()), "method {method}, tick {k}");
+            let allocated = allocations::count(|| one.avoider.tick(model, t, &mut commanded));
+            assert_eq!(allocated, 0, "method {method}, tick {k}");
+            let (repeated, _) = other.tick_once(desired);
+            assert!(
+                repeated.iter().zip(&position).all(|(a, b)| a.to_bits() == b.to_bits()),
+                "method {method}, tick {k}"
+            );
         }
         assert!(one.avoider.statistics.blocked > 0);
     }
 }
 
 #[test]
-fn a_step_command_keeps_the_limits() {
+fn a_step_command_obeys_the_limits() {
     let model = &CBI.0.model;
     let nod = model.joint("B_HN").expect("it is there").0;
     for (size, rate, late) in
@@ -367,8 +370,9 @@ fn a_step_command_keeps_the_limits() {
             bench.check_limits_but(if size <= 1e-3 { Some(nod) } else { None });
             greatest = greatest.max(commanded[nod] - model.home[nod]);
         }
-        // What two windows of 10 ms agree in of a path that follows it is at most a tenth; a step
-        // of 1 mrad, which passes for a reading's last digits, may swing by a few of them.
+        // A path that follows the step overshoots by at most a tenth, which is where two windows of
+        // 10 ms agree. A step of 1 mrad counts as measurement noise and may overshoot by a few of
+        // them.
         assert!(greatest <= size + if size <= 1e-3 { 5e-3 } else { 0.1 * size }, "{size} at {rate}: {greatest}");
         assert!((bench.commanded[3][nod] - model.home[nod] - size).abs() < 1e-9, "{size} at {rate}");
     }
@@ -382,7 +386,7 @@ fn speed_limits_hold_where_a_motion_accelerates_through_them() {
         bench.limits.iter_mut().for_each(|l| l.speed = speed);
         let settings = Settings { method: 2, rate: 10.0, margin: MARGIN, limits: bench.limits.clone(), seed: 1 };
         bench.avoider = Avoider::new(model, CBI.1.clone(), settings, &model.home, (0.0, 0.002));
-        // From rest with a bounded jerk, far beyond the limit.
+        // From rest with a bounded jerk, far beyond the speed limit.
         let (mut q, mut v, mut a) = (model.home[nod], 0.0f64, 0.0f64);
         for _ in 0..400 {
             let (mut position, mut velocity) = (model.home.clone(), vec![0.0; model.nj()]);
@@ -406,7 +410,7 @@ fn a_joint_outside_its_range_returns() {
     let mut measured = model.home.clone();
     measured[nod] = outside;
     let zero = vec![0.0; n];
-    // Limp, leaning on its stop; then it follows.
+    // Limp against its stop; then it is controlled.
     for k in 0..600 {
         let follows: Vec<bool> = (0..n).map(|j| j != nod || k >= 100).collect();
         let (mut position, mut velocity) = (model.home.clone(), zero.clone());
@@ -419,7 +423,7 @@ fn a_joint_outside_its_range_returns() {
         };
         bench.avoider.tick(model, f64::from(k) * 0.002, &mut commanded);
         if k == 100 {
-            // From where it is, without a jump.
+            // From its current position, without a jump.
             assert!((position[nod] - outside).abs() < 1e-3, "{}", position[nod]);
         }
         bench.commanded[3] = position;
@@ -428,7 +432,7 @@ fn a_joint_outside_its_range_returns() {
 }
 
 #[test]
-fn free_joints_keep_commanded_velocities_that_do_not_fit() {
+fn free_joints_keep_inconsistent_commanded_velocities() {
     let (model, turn) = (&CBI.0.model, CBI.0.model.joint("B_HR").expect("it is there").0);
     let mut bench = Bench::new(2, 10.0, 0.002);
     for k in 0..2000 {
@@ -443,8 +447,8 @@ fn free_joints_keep_commanded_velocities_that_do_not_fit() {
 #[test]
 fn a_short_fast_motion_is_not_extrapolated() {
     let (model, nod) = (&CBI.0.model, CBI.0.model.joint("B_HN").expect("it is there").0);
-    // 1 degree within 20 ms, with velocities: 20 times the acceleration that is allowed. Cycles
-    // fall before, into and after it.
+    // 1 degree within 20 ms, with velocities: 20 times the allowed acceleration. Cycles fall
+    // before, into and after it.
     for late in 0..12 {
         let mut bench = Bench::new(2, 10.0, 0.002);
         let (way, begin, mut greatest) = (1f64.to_radians(), 0.29 + 0.002 * f64::from(late), 0.0f64);
@@ -456,7 +460,7 @@ fn a_short_fast_motion_is_not_extrapolated() {
             let (commanded, _) = bench.tick_once((position, velocity));
             greatest = greatest.max(commanded[nod] - model.home[nod]);
         }
-        // A path that meets it may swing by some of it; extrapolated, it went to 24 degrees.
+        // A path that meets it may overshoot by some of it; extrapolation would reach 24 degrees.
         assert!(greatest < 1.5 * way, "{late}: {greatest}");
     }
 }

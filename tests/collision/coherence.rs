@@ -1,5 +1,5 @@
-//! Boxes and earlier answers change the time, not the answer; nothing is allocated; work is
-//! counted.
+//! Bounding boxes and cached results change the time, not the result; queries allocate nothing;
+//! work is counted.
 
 use super::cbi;
 use crate::identities::allocations;
@@ -7,10 +7,11 @@ use stiction::collision::{CollisionModel, Detector, LinkPose, link_poses};
 use stiction::random::Stream;
 use stiction::robot::Model;
 
-/// Two answers to one question, each within 1e-12 m of the truth as far as rounding lets it.
+/// Greatest difference of two results for one query, each within 1e-12 m of the truth up to
+/// rounding.
 const BAR: f64 = 1e-11;
 
-/// A motion through the joint ranges: now in small steps, now with a jump.
+/// A motion through the joint ranges: small steps, sometimes a jump.
 struct Motion {
     r: Stream,
     q: Vec<f64>,
@@ -33,11 +34,11 @@ impl Motion {
 }
 
 #[test]
-fn answers_depend_on_nothing_but_the_posture() {
+fn results_depend_only_on_the_posture() {
     let robot = cbi();
     let model = CollisionModel::new(&robot.model, &robot.self_collision);
     let mut poses = vec![LinkPose::IDENTITY; robot.model.links.len()];
-    // A detector that keeps its answers through all queries, and one that discards them each time.
+    // A detector that keeps its results through all queries, and one that discards them each time.
     let (mut warm, mut cold) = (Detector::new(&model), Detector::new(&model));
     let mut motion = Motion::new(&robot.model, 1);
     let (mut free, mut hit) = (0, 0);
@@ -49,12 +50,12 @@ fn answers_depend_on_nothing_but_the_posture() {
         let least = truth.iter().copied().fold(f64::INFINITY, f64::min);
         warm.set_poses(&model, &poses);
         let margin = [0.0, 0.005, 0.03][step % 3];
-        // The order of the questions changes as well: each starts from what the others left.
+        // The order of the queries changes as well: each starts from the cache left by the others.
         for question in 0..4 {
             match (question + step) % 4 {
                 0 => {
-                    for (i, (p, want)) in warm.distances(&model).iter().zip(&truth).enumerate() {
-                        assert!(p.pair == i && (p.distance - want).abs() < BAR, "step {step}, pair {i}");
+                    for (i, (p, expected)) in warm.distances(&model).iter().zip(&truth).enumerate() {
+                        assert!(p.pair == i && (p.distance - expected).abs() < BAR, "step {step}, pair {i}");
                     }
                 }
                 1 => {
@@ -142,7 +143,7 @@ fn a_posture_that_is_not_finite_counts_as_a_collision() {
     assert!(detector.intersects(&model, 0.0));
     assert_eq!(detector.colliding(&model, 0.0).len(), model.pairs.len());
     assert_eq!(detector.distances(&model).len(), model.pairs.len());
-    // It leaves no trace.
+    // It has no effect on later queries.
     link_poses(&robot.model, &robot.model.home, &mut poses);
     detector.set_poses(&model, &poses);
     assert!(!detector.intersects(&model, 0.0));

@@ -1,6 +1,6 @@
-//! Overlaps against the separating axis theorem: two convex polyhedra are parted by a translation
-//! along a normal of a face of either, or along the cross product of an edge of each, if by any,
-//! and the shortest is among these.
+//! Overlaps against the separating axis theorem. If a translation separates two convex polyhedra,
+//! so does one along a face normal of either, or along the cross product of an edge of each. The
+//! shortest is among these.
 
 use super::random_bodies::{apart_along, model, normals_and_edges, placed, polytope, pose, single};
 use stiction::random::Stream;
@@ -20,10 +20,10 @@ fn depth_and_sign_are_those_of_the_separating_axis_theorem() {
         let best = axes.flat_map(|n| [n, -n]).map(|n| apart_along(&n, &a, &b)).fold(f64::NEG_INFINITY, f64::max);
         let found = single(&m, &poses).distance;
         // The theorem's axes give the distance only between parallel faces, but always show whether
-        // there is one.
+        // the bodies are apart.
         if best < 0.0 {
             overlapping += 1;
-            // Edges at less than 1e-6 rad are left out above; rounding of both sides.
+            // Pairs of edges at less than 1e-6 rad are left out above; rounding of both sides.
             assert!((found - best).abs() < 1e-10, "case {case}: {found} instead of {best}");
         } else {
             assert!(found >= best - 1e-11, "case {case}: {found} though an axis shows a gap of {best}");

@@ -1,4 +1,4 @@
-//! Distances of bodies that are apart: from both sides, and by closed forms.
+//! Distances of separated bodies: bounds from both sides, and closed forms.
 
 use super::random_bodies::{apart_along, holds, model, placed, polytope, pose, single};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
@@ -7,14 +7,14 @@ use stiction::collision::{CollisionModel, LinkPose};
 use stiction::random::Stream;
 use stiction::robot::{Geometry, Shape};
 
-/// Rounding in coordinates of about 1 m, and ends of the iteration at 1e-12 m.
+/// Rounding in coordinates of about 1 m, and termination of the iteration at 1e-12 m.
 const BAR: f64 = 1e-11;
 
-/// The nearest points lie in their bodies, so the distance is at most theirs; no vertex of either
-/// body is between the two planes across the normal through them, so it is at least that. Together:
-/// it is the distance.
+/// Proves a distance. The nearest points are in their bodies, so the distance is at most theirs. No
+/// vertex of either body is between the two planes across the normal through them, so it is at
+/// least that.
 #[test]
-fn distances_of_random_polyhedra_prove_themselves() {
+fn distances_of_random_polyhedra_are_proved_by_bounds() {
     let mut r = Stream::new(7, &["distance"]);
     let (mut apart, mut overlapping) = (0, 0);
     for case in 0..6_000u64 {
@@ -54,11 +54,12 @@ fn blocks_side_by_side_are_apart_by_the_gap_between_them() {
     let mut r = Stream::new(2, &["blocks"]);
     for _ in 0..2_000 {
         let p = Vector3::from_fn(|_, _| 1.2 * (2.0 * r.unit() - 1.0));
-        // The whole turned at random: faces, edges and corners face each other in any direction.
+        // The whole scene rotated at random: faces, edges and corners face each other in any
+        // direction.
         let whole = pose(&mut r, 0.5);
         let second = LinkPose { rotation: whole.rotation, origin: whole.point(&p) };
         let gap = p.abs() - (h + k);
-        // Without overlap: the part of the gap that is open; with one: the least of the three ways
+        // Without overlap: the open part of the gap. With overlap: the shortest of the three ways
         // out.
         let want = if gap.max() > 0.0 { gap.map(|x| x.max(0.0)).norm() } else { gap.max() };
         let found = single(&m, &[whole, second]).distance;
@@ -79,7 +80,7 @@ fn a_corner_above_a_face_is_its_height_apart() {
     }
 }
 
-/// A shape as a body by the program's own tessellation.
+/// A shape as a body, with the program's own tessellation.
 fn shape(geometry: Geometry, resolution: usize) -> Polytope {
     let mut robot =
         stiction::robot::load(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/rod/rod.toml")).unwrap();
@@ -88,8 +89,8 @@ fn shape(geometry: Geometry, resolution: usize) -> Polytope {
     CollisionModel::every_pair(&robot.model, &robot.self_collision).bodies[0].polytope.clone()
 }
 
-/// No point of the round shape is outside the polyhedron, and no vertex farther out than the page
-/// of the docs says.
+/// No point of the round shape is outside the polyhedron, and no vertex is farther out than the
+/// bound of docs/self-collision.md.
 #[test]
 fn round_shapes_are_enclosed_closely() {
     let (radius, length) = (0.05, 0.2);
@@ -109,7 +110,8 @@ fn round_shapes_are_enclosed_closely() {
             }
             let out = |p: &Vector3<f64>| (p - Vector3::z() * p.z.clamp(-half, *half)).norm() / radius;
             let farthest = body.vertices.iter().map(out).fold(0.0, f64::max);
-            // Bands are ceil(n / 4) to a quarter, so no flatter than sides are: the docs' bound.
+            // There are ceil(n / 4) bands per quarter, so they are no flatter than the sides: the
+            // documented bound.
             assert!(farthest > 1.0 && farthest <= most + 1e-12, "{n}: {farthest} against {most}");
         }
         let cylinder = shape(Geometry::Cylinder(radius, length), n);
@@ -122,9 +124,9 @@ fn round_shapes_are_enclosed_closely() {
     }
 }
 
-/// Balls: between that of the balls and what the tessellation adds.
+/// The distance is between that of the exact balls and that plus the error of the tessellation.
 #[test]
-fn balls_are_apart_by_their_centres_less_their_radii() {
+fn the_distance_of_balls_is_that_of_their_centres_less_the_radii() {
     let (a, b) = (0.06, 0.11);
     let m = model(vec![shape(Geometry::Sphere(a), 32), shape(Geometry::Sphere(b), 32)]);
     let over = 1.0 / (std::f64::consts::PI / 32.0).cos().powi(2);
@@ -138,7 +140,7 @@ fn balls_are_apart_by_their_centres_less_their_radii() {
 }
 
 #[test]
-fn bodies_that_touch_are_neither_apart_nor_overlapping_by_more_than_rounding() {
+fn touching_bodies_have_zero_distance_to_rounding() {
     let m = model(vec![block(Vector3::repeat(0.1)), block(Vector3::repeat(0.1))]);
     for (x, y, z) in [(0.2, 0.0, 0.0), (0.2, 0.05, -0.03), (0.2, 0.2, 0.0), (0.2, 0.2, 0.2)] {
         assert!(single(&m, &[at(0.0, 0.0, 0.0), at(x, y, z)]).distance.abs() < BAR);
@@ -147,7 +149,7 @@ fn bodies_that_touch_are_neither_apart_nor_overlapping_by_more_than_rounding() {
         let first = LinkPose { rotation: turn, origin: Vector3::zeros() };
         assert!(single(&m, &[first, turned]).distance.abs() < BAR, "{x} {y} {z}");
     }
-    // One in the other, centres together: the way out is the whole width, in whatever direction.
+    // One inside the other with equal centres: the way out is the whole width, in any direction.
     let found = single(&m, &[at(0.0, 0.0, 0.0); 2]);
     assert!((found.distance + 0.2).abs() < BAR && (found.normal.abs().max() - 1.0).abs() < BAR, "{found:?}");
     assert_eq!(Matrix3::<f64>::identity(), LinkPose::IDENTITY.rotation);

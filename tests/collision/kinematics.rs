@@ -1,4 +1,4 @@
-//! Poses against the dynamics room's, and postures ahead.
+//! Link poses against those of the dynamics, and predicted postures.
 
 use super::cbi;
 use nalgebra::Vector3;
@@ -23,20 +23,21 @@ fn poses_are_those_of_the_dynamics() {
 }
 
 #[test]
-fn postures_ahead_stay_within_speeds_and_ranges() {
+fn predicted_postures_stay_within_speeds_and_ranges() {
     let mut model = cbi().model;
     let n = model.nj();
     for joint in &mut model.joints {
         joint.velocity_limit = 2.0;
     }
     let (q, mut out) = (model.home.clone(), vec![0.0; n]);
-    // Slow and short: nothing is capped, and it is a parabola.
+    // Slow and short: no cap is active, and the path is a parabola.
     extrapolate(&model, &q, &vec![0.1; n], &vec![-0.5; n], 0.2, &mut out);
     for (i, joint) in model.joints.iter().enumerate() {
         let want = (q[i] + 0.1 * 0.2 - 0.25 * 0.04f64).clamp(joint.lower, joint.upper);
         assert!((out[i] - want).abs() < 1e-15);
     }
-    // Fast: at the cap from the start, 2 rad/s for 0.1 s; for long: at the end of the range.
+    // Fast: at the cap from the start, 2 rad/s for 0.1 s; over a long time: at the end of the
+    // range.
     extrapolate(&model, &q, &vec![9.0; n], &vec![3.0; n], 0.1, &mut out);
     for (i, joint) in model.joints.iter().enumerate() {
         assert!((out[i] - (q[i] + 0.2).min(joint.upper)).abs() < 1e-15);

@@ -1,4 +1,4 @@
-//! Which bodies and pairs are watched.
+//! Selection of the monitored bodies and pairs.
 
 use super::cbi;
 use std::collections::HashSet;
@@ -66,7 +66,7 @@ fn pairs_are_dropped_for_a_reason() {
 }
 
 #[test]
-fn the_robot_file_decides() {
+fn the_robot_file_overrides_the_selection_of_pairs() {
     let mut robot = cbi();
     let link = |robot: &Robot, name: &str| robot.model.link(name).unwrap().0;
     robot.self_collision.ignore = vec![[link(&robot, "r_hand"), link(&robot, "l_hand")]];
@@ -95,7 +95,7 @@ fn bodies_that_overlap_at_home_are_not_monitored() {
     assert!(matches!(why, Some(WhyPair::OverlapAtHome(depth)) if depth > 0.05), "{why:?}");
 }
 
-/// Postures the search never saw: none of the pairs it dropped meets.
+/// Random postures outside the search: none of the dropped pairs meets.
 #[test]
 fn pairs_that_cannot_meet_do_not_meet() {
     let robot = cbi();
@@ -119,8 +119,8 @@ fn pairs_that_cannot_meet_do_not_meet() {
         detector.set_poses(&dropped, &poses);
         assert!(!detector.intersects(&dropped, 0.0), "{q:?}");
     }
-    // Twice the search with other numbers drops the same pairs.
+    // A search with other random numbers drops the same pairs.
     let search = Search { postures: 8_000, descents: 200, steps: 100, seed: 2, ..Search::default() };
-    let again = CollisionModel::searched(&robot.model, &robot.self_collision, search);
-    assert_eq!(again.pairs, found.pairs);
+    let repeated = CollisionModel::searched(&robot.model, &robot.self_collision, search);
+    assert_eq!(repeated.pairs, found.pairs);
 }

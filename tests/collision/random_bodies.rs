@@ -1,4 +1,4 @@
-//! Polyhedra and poses at random, and what brute force says of two of them.
+//! Random polyhedra and poses, and brute-force geometry of pairs.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use stiction::collision::detection::Detector;
@@ -33,7 +33,7 @@ pub fn pose(r: &mut Stream, reach: f64) -> LinkPose {
     }
 }
 
-/// Polyhedra as bodies on links 0, 1, 2, ... with every pair watched.
+/// Polyhedra as bodies on links 0, 1, 2, ... with every pair monitored.
 pub fn model(polytopes: Vec<Polytope>) -> CollisionModel {
     let n = polytopes.len();
     let bodies = polytopes.into_iter().enumerate();
@@ -54,15 +54,14 @@ pub fn placed(body: &Body, poses: &[LinkPose]) -> Vec<Vector3<f64>> {
     body.polytope.vertices.iter().map(|p| poses[body.link.0].point(p)).collect()
 }
 
-/// How far the bodies are apart along a unit vector from the first to the second; negative: how far
-/// they overlap along it.
+/// Distance of the bodies along a unit vector from the first to the second; negative: overlap.
 pub fn apart_along(n: &Vector3<f64>, a: &[Vector3<f64>], b: &[Vector3<f64>]) -> f64 {
     let least = b.iter().map(|p| n.dot(p)).fold(f64::INFINITY, f64::min);
     let greatest = a.iter().map(|p| n.dot(p)).fold(f64::NEG_INFINITY, f64::max);
     least - greatest
 }
 
-/// Is a point, in the frame of the poses, in the body but for `margin`?
+/// Whether a point, in the frame of the poses, is in the body, up to `margin`.
 pub fn holds(body: &Body, poses: &[LinkPose], p: &Vector3<f64>, margin: f64) -> bool {
     let pose = &poses[body.link.0];
     body.polytope.contains(&pose.rotation.tr_mul(&(p - pose.origin)), margin)

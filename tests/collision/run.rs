@@ -1,5 +1,4 @@
-//! `[self_collision]` in a run: what is reported against closed forms, and what avoidance makes of
-//! it.
+//! `[self_collision]` in a run: reported values against closed forms, and the effect of avoidance.
 
 use crate::analytic::support::Recording;
 use std::fmt::Write as _;
@@ -10,7 +9,7 @@ use stiction::robot;
 use stiction::scenario;
 use stiction::sim::{Metrics, Outcome, Simulation};
 
-/// Boxes of 0.1 m on rails along x, each moved along by a joint of its name: name, x and y at 0.
+/// Boxes of 0.1 m on rails along x, each moved by a joint of the same name: name, x and y at 0.
 type Boxes<'a> = &'a [(&'a str, f64, f64)];
 
 /// Two on one rail, 0.5 m apart.
@@ -31,7 +30,7 @@ fn urdf(boxes: Boxes) -> String {
     text + "</robot>"
 }
 
-/// Joint `a` goes by `way` within 1 s and stays; both are kinematic.
+/// Joint `a` moves by `way` within 1 s and stays; both joints are kinematic.
 fn text(way: f64, rest: &str) -> String {
     let mut text = String::from("duration = 2.0\nrobot = { model = \"rail.toml\" }\ncontrol = { rate = 1000 }\n");
     text += "integrator = { method = \"semi-implicit\", step = 1e-3 }\n";
@@ -68,7 +67,7 @@ fn path(t: f64) -> f64 {
     s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s)
 }
 
-/// When the path reaches a value.
+/// Time at which the path reaches a value.
 fn reached(value: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..100 {
@@ -81,11 +80,11 @@ fn reached(value: f64) -> f64 {
 #[test]
 fn reported_values_are_the_closed_form() {
     let (m, recorded) = run(&text(0.53, "self_collision = { method = 0, margin = 0.02 }"));
-    // 0.03 m into each other in the end; GJK and EPA are good to 1e-10.
+    // Overlap of 0.03 m at the end; GJK and EPA are good to 1e-10.
     assert!((m.min_self_distance_m.unwrap() + 0.03).abs() < 1e-9, "{:?}", m.min_self_distance_m);
     assert_eq!(m.self_collisions, Some(1));
     assert_eq!((m.avoidance_cycles, m.avoidance_rms_deviation), (None, None));
-    // Seen at the ends of steps of 1 ms.
+    // Detected at the ends of steps of 1 ms.
     let near = 2.0 - reached(0.48 / 0.53);
     assert!((m.self_near_s.unwrap() - near).abs() <= 1e-3, "{:?} {near}", m.self_near_s);
     let events: Vec<_> = recorded.events.iter().filter(|e| e.kind == "self-collision").collect();
@@ -97,14 +96,14 @@ fn reported_values_are_the_closed_form() {
         ("box_a/box_b", "overlap of `box_a` and `box_b` begins")
     );
     for s in &recorded.snapshots {
-        let own = s.self_contact.as_ref().expect("it is commanded for");
+        let own = s.self_contact.as_ref().expect("self-collision is monitored");
         let (distance, pair, a, b) = own.nearest.expect("there is a pair");
         let truth = 0.5 + s.q[1] - s.q[0];
         assert!((distance - truth).abs() < 1e-9, "{distance} {truth}");
         assert_eq!(own.pairs[pair], ["box_a", "box_b"]);
         // The facing sides.
         assert!((a.x - (s.q[0] - 0.25)).abs() < 1e-9 && (b.x - (s.q[1] + 0.25)).abs() < 1e-9, "{a} {b}");
-        assert!(own.frozen.is_empty() && own.wanted.is_empty());
+        assert!(own.frozen.is_empty() && own.desired.is_empty());
     }
 }
 
@@ -114,10 +113,10 @@ fn an_overlap_can_end_and_recur() {
     let sine = "{ type = \"sine\", joints = { a = { amplitude = 0.6, frequency = 1.0 } } }";
     let text = text(0.0, "self_collision = { method = 0 }");
     let (m, recorded) = run(&text.replace(posture, sine).replace("duration = 2.0", "duration = 3.0"));
-    let words: Vec<&str> =
+    let messages: Vec<&str> =
         recorded.events.iter().filter(|e| e.kind == "self-collision").map(|e| e.message.as_str()).collect();
     let (begins, ends) = ("overlap of `box_a` and `box_b` begins", "overlap of `box_a` and `box_b` ends");
-    assert_eq!((words, m.self_collisions), (vec![begins, ends, begins, ends], Some(2)));
+    assert_eq!((messages, m.self_collisions), (vec![begins, ends, begins, ends], Some(2)));
 }
 
 #[test]
@@ -130,36 +129,36 @@ fn avoidance_keeps_the_margin_and_reports_its_cost() {
         assert!(m.avoidance_blocked_cycles.unwrap() > 5 && m.avoidance_tests_mean.unwrap() >= 1.0);
         let last = recorded.snapshots.last().unwrap();
         let own = last.self_contact.as_ref().unwrap();
-        // The desired position is that of the task, the command less; joints that do not move the
-        // pair are absent.
-        assert!((own.wanted[0] - 0.53).abs() < 1e-12 && own.wanted[1] == 0.0, "{:?}", own.wanted);
+        // The desired position is the task's; the command falls short of it. Joints that do not
+        // move the pair are absent.
+        assert!((own.desired[0] - 0.53).abs() < 1e-12 && own.desired[1] == 0.0, "{:?}", own.desired);
         assert!(last.q[0] < 0.48 + 1e-9, "{}", last.q[0]);
         assert!(m.avoidance_max_deviation.unwrap() >= 0.53 - last.q[0] - 1e-12);
         if method == 4 {
-            // It goes as near as it finds worth a motion.
+            // It approaches as long as it finds the motion worthwhile.
             assert!(last.q[0] > 0.45, "{}", last.q[0]);
         }
     }
-    // Out of each other's way nothing is changed.
+    // A motion without obstacles is unchanged.
     let (m, _) = run(&text(0.3, "self_collision = { method = 2, margin = 0.02 }"));
     assert_eq!((m.avoidance_max_deviation, m.avoidance_blocked_cycles), (Some(0.0), Some(0)));
 }
 
 #[test]
 fn a_start_within_the_margin_is_refused() {
-    let recorded = |text: &str| match prepared(TWO, text) {
+    let refused = |text: &str| match prepared(TWO, text) {
         Ok(_) => String::new(),
-        Err(words) => words,
+        Err(message) => message,
     };
-    let words = recorded(&text(0.0, "self_collision = { method = 1, margin = 0.6 }"));
-    assert!(words.contains("`box_a` and `box_b` start 0.5000 m apart"), "{words}");
-    assert!(words.contains("self_collision") && words.contains("`ignore`"), "{words}");
-    assert_eq!(recorded(&text(0.0, "self_collision = { method = 0, margin = 0.6 }")), "");
+    let message = refused(&text(0.0, "self_collision = { method = 1, margin = 0.6 }"));
+    assert!(message.contains("`box_a` and `box_b` start 0.5000 m apart"), "{message}");
+    assert!(message.contains("self_collision") && message.contains("`ignore`"), "{message}");
+    assert_eq!(refused(&text(0.0, "self_collision = { method = 0, margin = 0.6 }")), "");
 }
 
 #[test]
 fn an_uncontrolled_joint_is_not_planned() {
-    // b is passive and stays where it is, whatever its command: a must not rely on it moving away.
+    // b is passive and stays, whatever its command: a must not rely on it moving away.
     for method in 1..=4 {
         let text = text(0.9, &format!("self_collision = {{ method = {method}, margin = 0.02 }}"))
             .replace("joints = { a = 0.9 }", "joints = { a = 0.9, b = 0.9 }")
@@ -173,7 +172,7 @@ fn an_uncontrolled_joint_is_not_planned() {
 
 #[test]
 fn a_blocked_path_brakes() {
-    // a goes slowly, 5 s long; b is pushed into its way and stands there.
+    // a moves slowly, for 5 s; b is pushed into its way and stays there.
     let boxes: Boxes = &[("a", -0.6, 0.0), ("b", 0.6, 0.0)];
     for method in 1..=4 {
         let (m, recorded) = run_with(
@@ -200,7 +199,7 @@ fn a_blocked_path_brakes() {
 
 #[test]
 fn independent_pairs_do_not_stop_each_other() {
-    // a is stopped by b on one rail; c, on another one, is in d's way and moves out of it.
+    // b stops a on one rail; c, on another one, is in d's way and moves out of it.
     let boxes: Boxes = &[("a", -0.3, 0.0), ("b", 0.3, 0.0), ("c", -0.3, 5.0), ("d", 0.3, 5.0)];
     let rest = "self_collision = { method = 2, margin = 0.02 }";
     let (m, recorded) = run_with(boxes, &text(0.9, rest).replace("{ a = 0.9 }", "{ a = 0.9, c = -0.2, d = -0.9 }"));
@@ -211,7 +210,7 @@ fn independent_pairs_do_not_stop_each_other() {
 
 #[test]
 fn pairs_within_the_margin_may_only_move_apart() {
-    // b drifts to 12 mm from a and stands there; a is commanded through b, and later away from it.
+    // b drifts to 12 mm from a and stays there; a is commanded through b, and later away from it.
     let boxes: Boxes = &[("a", -0.3, 0.0), ("b", 0.3, 0.0), ("c", 0.0, 5.0)];
     let text = |to: f64| {
         format!(
@@ -240,8 +239,8 @@ fn pairs_within_the_margin_may_only_move_apart() {
 
 #[test]
 fn unpredicted_motion_triggers_an_early_cycle() {
-    // One cycle a second. At the first one a stands still; at the next one it would be in b long
-    // ago, within all limits.
+    // One cycle a second. At the first one a is at rest; by the next one it would long overlap b,
+    // within all limits.
     for method in 1..=4 {
         let rest = format!("self_collision = {{ method = {method}, margin = 0.02, rate = 1.0 }}");
         let (m, _) = run(&text(0.9, &rest).replace("duration = 1.0", "start = 0.2, duration = 0.6"));

@@ -1,4 +1,4 @@
-//! Lines as they should not be, and where they come from.
+//! Tests of invalid lines, and of the sources of lines.
 
 use std::io::Write;
 use std::process::Stdio;
@@ -7,21 +7,21 @@ use super::{hoap2, session};
 use crate::cli::Place;
 
 #[test]
-fn what_is_wrong_is_told_with_its_line() {
+fn errors_are_reported_with_their_line() {
     let place = Place::new();
     place.block("b.toml", "");
-    for (line, said) in [
+    for (line, message) in [
         ("strat", "there is no command `strat`; did you mean `start`? (`help` lists all)"),
-        ("run fast", "run: a number of seconds above 0 is wanted, not `fast`; it is `run [SECONDS]"),
-        ("run -1", "a number of seconds above 0 is wanted, not `-1`"),
+        ("run fast", "run: expected a number of seconds greater than 0, found `fast`; usage: `run [SECONDS]"),
+        ("run -1", "expected a number of seconds greater than 0, found `-1`"),
         ("run until 0", "0 s is not after the present time, 0 s"),
         ("run 1e9", "is beyond the session's end, 600 s (`--duration`)"),
-        ("step 0", "a number of ticks is wanted, not `0`"),
-        ("rate 0", "`free`, `realtime` or a number above 0 is wanted, not `0`"),
+        ("step 0", "expected a number of ticks, found `0`"),
+        ("rate 0", "expected `free`, `realtime` or a number greater than 0, found `0`"),
         ("start sien", "unknown task type `sien`"),
         ("start posture joints.knee=1", "the robot `block` has no joint `knee`"),
         ("start posture start=1 joints={}", "`start` is given by the command itself"),
-        ("undo", "nothing has been changed"),
+        ("undo", "there is no change to undo"),
         ("stop 0", "there is no task 0 (`tasks`)"),
         ("stop all", "no task runs or waits"),
         ("stop sine", "no task is of type `sine`; there are none here"),
@@ -34,7 +34,7 @@ fn what_is_wrong_is_told_with_its_line() {
         ("set control.idle_ticks=false", "`control.idle_ticks` cannot be set in a session"),
         ("set expect=[{metric=\"final_base_z\",min=1}]", "`expect` cannot be set in a session"),
         ("set", "a value is missing"),
-        ("get floor.color", "`floor.color` has no value: `color` is not there"),
+        ("get floor.color", "`floor.color` has no value: there is no `color`"),
         ("floor ice", "the coefficient of static friction must be a number, not `ice`"),
         ("floor 0.2 0.4", "must not be greater than `static` = 0.2, not 0.4\n --> session:"),
         ("payload wagon 1", "has no link `wagon`"),
@@ -43,12 +43,12 @@ fn what_is_wrong_is_told_with_its_line() {
         ("restore up", "names `up`, which no earlier event saves"),
         ("contact left", "there is no sole `left`"),
         ("frame wheel", "there is no link `wheel`"),
-        ("joints knee*", "no joint is like `knee*`"),
-        ("columns knee*", "no column is like `knee*`"),
-        ("expect base_z_m min=1 max=0", "nothing is above 1 and below 0"),
+        ("joints knee*", "no joint matches `knee*`"),
+        ("columns knee*", "no column matches `knee*`"),
+        ("expect base_z_m min=1 max=0", "`min` = 1 is greater than `max` = 0"),
         ("run until touchdwn", "there is no kind of event `touchdwn`; did you mean `touchdown`?"),
         ("run until slip left", "there is no sole `left`"),
-        ("run until inf", "`inf` is no time"),
+        ("run until inf", "`inf` is not a time"),
         ("value base_q", "unknown column `base_q`"),
         ("expect base_z_m", "`min`, `max` or `value` is missing"),
         ("expect base_z_m value=1", "`value` of a number needs a `tolerance`"),
@@ -57,39 +57,46 @@ fn what_is_wrong_is_told_with_its_line() {
         ("play", "there is no recording"),
         ("export x.csv", "there is no recording"),
         ("record stop", "nothing is being recorded"),
-        ("save session s.toml", "the session stands at 0 s"),
-        ("save it s.toml", "`session` or `recording` is wanted, not `it`"),
+        ("save session s.toml", "the session is at 0 s"),
+        ("save it s.toml", "expected `session` or `recording`, found `it`"),
         ("load nowhere.mcap", "nowhere.mcap: "),
-        ("quit now", "`now` is more than is wanted"),
+        ("quit now", "unexpected argument `now`"),
         ("set a=[1", "`]` is missing at the end"),
     ] {
         let done = session(&place, "b.toml", &format!("# a comment\n\n{line}\nrun 5\n"));
         assert_eq!(done.code, Some(2), "{line}: {}", done.stderr);
-        assert!(done.stderr.contains("lines.txt:3: error: ") && done.stderr.contains(said), "{line}: {}", done.stderr);
-        assert!(!done.stdout.contains("5 s"), "{line}: it goes on: {}", done.stdout);
+        assert!(
+            done.stderr.contains("lines.txt:3: error: ") && done.stderr.contains(message),
+            "{line}: {}",
+            done.stderr
+        );
+        assert!(!done.stdout.contains("5 s"), "{line}: the session continues: {}", done.stdout);
     }
 }
 
-/// While it goes on only what events can set can be set.
+/// After the first step, only keys that events can set can be changed.
 #[test]
-fn what_cannot_change_any_more_is_refused() {
+fn fixed_keys_are_refused_after_the_first_step() {
     let place = Place::new();
     place.block("b.toml", "").write("f.luau", "function force(robot) return {} end");
-    for (line, said) in [
+    for (line, message) in [
         ("set contact.method=ncp", "`contact.method` cannot change during a run"),
         ("set gravity=[0,0,-9.8] gravity.2=-1", "overlaps another key of the event"),
-        ("force script file=\"f.luau\"", "a script begins with the run"),
+        ("force script file=\"f.luau\"", "a script starts with the run"),
         ("restore up", "names `up`, which no earlier event saves"),
     ] {
         let done = session(&place, "b.toml", &format!("step\n{line}\n")).exits(2);
-        assert!(done.stderr.contains("lines.txt:2: error: ") && done.stderr.contains(said), "{line}: {}", done.stderr);
+        assert!(
+            done.stderr.contains("lines.txt:2: error: ") && done.stderr.contains(message),
+            "{line}: {}",
+            done.stderr
+        );
     }
 }
 
-/// An error leaves the session as it was: a person goes on. Here the wrong line is one of `--command`, and its end is the program's;
-/// what is expected in vain is told, and the session goes on.
+/// A failed expectation is reported, and the session continues.
 #[test]
-fn expectations_are_told_and_end_in_exit_code_1() {
+fn failed_expectations_are_reported_and_exit_with_1() {
     let place = Place::new();
     place.block("b.toml", "");
     let done = session(
@@ -109,17 +116,17 @@ fn expectations_are_told_and_end_in_exit_code_1() {
 }
 
 #[test]
-fn a_run_that_breaks_down_ends_a_script_with_exit_code_3() {
+fn a_diverged_run_ends_the_session_with_exit_code_3() {
     let place = Place::new();
     place.block("b.toml", "");
-    // Gravity such that a number leaves the sensible range.
+    // Gravity so large that the run diverges.
     let done = session(&place, "b.toml", "run 0.1\nset gravity=[0,0,1e200]\nrun 5\nstatus\n").exits(3);
     assert!(done.stderr.contains("lines.txt:3: error: the run has ended at "), "{}", done.stderr);
-    assert!(done.stderr.contains("`undo` takes the last change back, `reset` begins anew"), "{}", done.stderr);
+    assert!(done.stderr.contains("`undo` reverts the last change, `reset` restarts the session"), "{}", done.stderr);
 }
 
 #[test]
-fn lines_come_from_standard_input_too_and_from_the_command_line() {
+fn lines_are_read_from_standard_input_and_the_command_line() {
     let place = Place::new();
     place.block("b.toml", "");
     let mut child = place
@@ -143,23 +150,23 @@ fn lines_come_from_standard_input_too_and_from_the_command_line() {
 }
 
 #[test]
-fn one_run_whose_robot_is_here_is_wanted() {
+fn a_session_requires_one_run_with_a_local_robot() {
     let place = Place::new();
     place.block("two.toml", "[sweep]\ngrid = { seed = [1, 2] }\n").block("b.toml", "");
     let two = place.runner(&["console", "two.toml", "-c", "status"]).exits(2);
-    assert!(two.stderr.contains("one run is wanted, and this is 2 runs"), "{}", two.stderr);
+    assert!(two.stderr.contains("expected one run, found 2 runs"), "{}", two.stderr);
     place.runner(&["console", "two.toml", "--filter", "seed == 2", "-c", "status"]).exits(0);
-    let away = ["console", "b.toml", "--set", "robot.backend=\"udp://127.0.0.1:9\"", "-c", "status"];
-    let away = place.runner(&away).exits(2);
-    assert!(away.stderr.contains("the scenario's robot is somewhere else"), "{}", away.stderr);
+    let remote = ["console", "b.toml", "--set", "robot.backend=\"udp://127.0.0.1:9\"", "-c", "status"];
+    let remote = place.runner(&remote).exits(2);
+    assert!(remote.stderr.contains("the scenario's robot is remote"), "{}", remote.stderr);
     let long = place.runner(&["console", "b.toml", "--duration", "0.2", "-c", "run", "-c", "run"]).exits(2);
     assert_eq!(long.stdout, "0.2 s\n");
     assert!(long.stderr.contains("the session's last instant, 0.2 s, is reached"), "{}", long.stderr);
 }
 
-/// Fallen, and what a batch does with a run, are no matter of a session; what was swept is as it was chosen.
+/// A session ignores `stop.fallen` and `expect`, and has the swept values of the selected run.
 #[test]
-fn a_session_is_of_one_run() {
+fn a_session_uses_the_selected_run() {
     let place = Place::new();
     hoap2(
         &place,
@@ -185,9 +192,9 @@ fn a_session_is_of_one_run() {
     assert!(!saved.contains("sweep") && !saved.contains("expect") && !saved.contains("fallen"), "{saved}");
 }
 
-/// The page about the console has the table of commands, and every command has its help.
+/// `docs/console.md` contains the table of commands, and every command has help.
 #[test]
-fn every_command_is_described() {
+fn every_command_is_documented() {
     let page = include_str!("../../docs/console.md");
     assert!(
         page.contains(&stiction::console::reference()),

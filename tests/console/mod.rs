@@ -1,4 +1,5 @@
-//! Sessions at the console: what is said changes the run as it should, and a session that is saved is a scenario of the same bits.
+//! Tests of console sessions: commands change the run as documented, and a saved session is a
+//! scenario that gives the same bits.
 
 mod answers;
 mod lines;
@@ -10,17 +11,17 @@ use std::path::Path;
 
 use crate::cli::{Done, Place, Table};
 
-/// A session with a scenario, its lines from a file.
+/// Runs a session with a scenario and the lines of a file.
 fn session(place: &Place, scenario: &str, lines: &str) -> Done {
     place.write("lines.txt", lines);
     place.runner(&["console", scenario, "--file", "lines.txt"])
 }
 
-/// What a session says to one more line than `before`, which says nothing of interest.
+/// Output of a session for `line`, after the lines of `before`.
 fn answer(place: &Place, scenario: &str, before: &str, line: &str) -> String {
     let done = session(place, scenario, &format!("{before}\n")).exits(0);
     let more = session(place, scenario, &format!("{before}\n{line}\n")).exits(0);
-    more.stdout.strip_prefix(&done.stdout).expect("the same beginning").to_owned()
+    more.stdout.strip_prefix(&done.stdout).expect("the output for the earlier lines").to_owned()
 }
 
 /// The numbers in a text.
@@ -28,7 +29,7 @@ fn numbers(text: &str) -> Vec<f64> {
     text.split_whitespace().filter_map(|word| word.parse().ok()).collect()
 }
 
-/// HOAP-2 on the floor with what `more` says.
+/// Writes a scenario of HOAP-2 on the floor, with the lines of `more`.
 fn hoap2(place: &Place, name: &str, more: &str) {
     let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.toml");
     place.write(name, format!("{more}\n[robot]\nmodel = {model:?}\n"));

@@ -1,11 +1,11 @@
-//! A session and the run of the scenario that is saved of it.
+//! Tests that the saved scenario of a session gives the same bits as the session.
 
 use std::path::Path;
 
 use super::{export, hoap2, log_of, session};
 use crate::cli::Place;
 
-/// All that changes a motion, at instants between which things happen.
+/// Every command that changes a motion, with events between the commands.
 const LINES: &str = "start sine joints.left_shoulder_pitch.amplitude=0.2 ramp=0.2
 force constant link=torso force=[0.5,0,0]
 run 0.3
@@ -40,8 +40,8 @@ run 0.1
 run until 1.9
 ";
 
-/// Everything that asks and changes nothing.
-const QUESTIONS: &str =
+/// All commands that only print.
+const QUERIES: &str =
     "status\ntasks\nbase\ncom\nzmp\ncontact\njoints\njacobian com\njacobian l_foot 0.1 0 0\nframe r_hand
 value base_z_m joint.*.effort_Nm\ncolumns\nevents\nforce\nstates\nget floor.friction\nfloor\nexpect base_z_m min=-1\n";
 
@@ -49,7 +49,8 @@ fn script() -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/tasks/wave.luau")).unwrap()
 }
 
-/// Runs the session, saves it and what was recorded, runs what was saved, and compares every cell of both logs.
+/// Runs a session, saves scenario and recording, runs the scenario, and compares all cells of both
+/// logs.
 #[track_caller]
 fn assert_replays(place: &Place, name: &str, saved: &str, lines: &str) {
     let file = format!("{name}.toml");
@@ -60,22 +61,22 @@ fn assert_replays(place: &Place, name: &str, saved: &str, lines: &str) {
     let again = log_of(place, &results, saved.rsplit('/').next().unwrap());
     let log = format!("{name}.mcap");
     for more in [&[][..], &["--events"]] {
-        let (here, there) = (export(place, &log, more), export(place, &again, more));
-        assert_eq!(here.header, there.header, "{name}");
-        for (row, other) in here.rows.iter().zip(&there.rows) {
+        let (recorded, rerun) = (export(place, &log, more), export(place, &again, more));
+        assert_eq!(recorded.header, rerun.header, "{name}");
+        for (row, other) in recorded.rows.iter().zip(&rerun.rows) {
             let differs = |i: &usize| row[*i] != other[*i];
             if let Some(i) = (0..row.len()).find(differs) {
-                panic!("{name} at {} s: {} is {}, then {}", row[0], here.header[i], row[i], other[i]);
+                panic!("{name} at {} s: {} is {}, then {}", row[0], recorded.header[i], row[i], other[i]);
             }
         }
-        assert_eq!(here.rows.len(), there.rows.len(), "{name}");
+        assert_eq!(recorded.rows.len(), rerun.rows.len(), "{name}");
         let least = if more.is_empty() { 200 } else { 1 };
-        assert!(here.rows.len() >= least, "{name}: {} rows", here.rows.len());
+        assert!(recorded.rows.len() >= least, "{name}: {} rows", recorded.rows.len());
     }
 }
 
 #[test]
-fn what_is_saved_of_a_session_gives_its_bits() {
+fn a_saved_session_gives_the_same_bits() {
     let place = Place::new();
     place.write("wave.luau", script());
     for (name, more) in [
@@ -92,7 +93,7 @@ fn what_is_saved_of_a_session_gives_its_bits() {
         ("slow-ticks", "control = { rate = 130.0 }"),
         ("one-step", "contact = { method = \"one-step\" }\nintegrator = { method = \"semi-implicit\" }"),
         ("coarse", "contact = { method = \"ncp\" }\nintegrator = { method = \"semi-implicit\", step = 3e-3 }"),
-        // The end is no instant of the log.
+        // The end is not an instant of the log.
         (
             "between",
             "contact = { method = \"one-step\" }\nintegrator = { method = \"semi-implicit\" }\nlog = { rate = 333.0 }",
@@ -103,7 +104,7 @@ fn what_is_saved_of_a_session_gives_its_bits() {
         // Some methods have no restitution.
         let lines = match name {
             "one-step" | "coarse" | "between" | "springs" => LINES.replace(" contact.restitution=0.1", ""),
-            // There is a force before that of the session.
+            // The scenario has a force before that of the session.
             "squats" => LINES.replace("force.0", "force.1"),
             "slow-ticks" => LINES.replace("step 250", "step 32"),
             _ => LINES.to_owned(),
@@ -115,11 +116,11 @@ fn what_is_saved_of_a_session_gives_its_bits() {
 
 #[cfg(unix)]
 #[test]
-fn a_walk_goes_on_as_it_was_planned() {
+fn a_saved_walk_gives_the_same_bits() {
     let place = Place::new();
     let walk =
         std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/hoap2-walk.toml")).unwrap();
-    // Paths of what is saved lead to the robot from where it is saved.
+    // Paths in the saved scenario are relative to its own folder.
     std::os::unix::fs::symlink(Path::new(env!("CARGO_MANIFEST_DIR")).join("robots"), place.path("robots")).unwrap();
     place.write("walk.toml", walk.replace("../robots", "robots"));
     std::fs::create_dir_all(place.path("deep/er")).unwrap();
@@ -127,9 +128,9 @@ fn a_walk_goes_on_as_it_was_planned() {
     assert_replays(&place, "walk", "elsewhere/walk", "run 0.9\npush torso 1 1 0\nrun 0.5\n");
 }
 
-/// Each type of task that takes new parameters, started and changed by hand.
+/// Starts and changes each type of task that accepts new parameters.
 #[test]
-fn tasks_are_changed_as_their_entries_say() {
+fn task_changes_take_effect_and_are_saved() {
     let place = Place::new();
     place.write("wave.luau", script());
     let bow =
@@ -157,19 +158,19 @@ fn tasks_are_changed_as_their_entries_say() {
     ] {
         hoap2(&place, &format!("{name}.toml"), "duration = 2.0");
         assert_replays(&place, name, &format!("{name}-again"), lines);
-        // The change is seen in what is asked.
-        let asked = |lines: &str, log: &str| {
+        // The change affects the desired joint values.
+        let desired = |lines: &str, log: &str| {
             session(&place, &format!("{name}.toml"), &format!("record\n{lines}save recording {log}\n")).exits(0);
             export(&place, log, &["--columns", "joint.*.desired_*,joint.*.desired_effort_Nm"]).rows
         };
         let without: String =
             lines.lines().filter(|line| !line.starts_with("change")).map(|l| format!("{l}\n")).collect();
-        assert_ne!(asked(lines, "with.mcap"), asked(&without, "without.mcap"), "{name}");
+        assert_ne!(desired(lines, "with.mcap"), desired(&without, "without.mcap"), "{name}");
     }
 }
 
 #[test]
-fn questions_change_no_bit() {
+fn queries_change_no_bit() {
     let place = Place::new();
     place.write("wave.luau", script());
     for (name, more) in [
@@ -180,17 +181,17 @@ fn questions_change_no_bit() {
     ] {
         hoap2(&place, &format!("{name}.toml"), &format!("duration = 2.0\n{more}"));
         let plain = LINES.replace(" contact.restitution=0.1", "");
-        let asked: String = plain.lines().map(|line| format!("{line}\n{QUESTIONS}")).collect();
-        for (lines, log) in [(&plain, "plain"), (&asked, "asked")] {
+        let with_queries: String = plain.lines().map(|line| format!("{line}\n{QUERIES}")).collect();
+        for (lines, log) in [(&plain, "plain"), (&with_queries, "queries")] {
             let lines = format!("record\n{lines}save recording {name}-{log}.mcap\n");
             session(&place, &format!("{name}.toml"), &lines).exits(0);
         }
         let rows = |log: &str| export(&place, &format!("{name}-{log}.mcap"), &[]).rows;
-        assert_eq!(rows("plain"), rows("asked"), "{name}");
+        assert_eq!(rows("plain"), rows("queries"), "{name}");
     }
 }
 
-/// Sessions are the same however they are cut into pieces, and while they are recorded or not.
+/// Neither pauses nor recording change a session.
 #[test]
 fn pauses_change_no_bit() {
     let place = Place::new();
@@ -209,14 +210,14 @@ fn pauses_change_no_bit() {
     let whole = value("push torso 3 1 0 for 0.1\nrun 0.5");
     assert_eq!(value("push torso 3 1 0 for 0.1\nrun 0.1\nstep 33\nrecord\nstep\nrecord stop\nrun until 0.5"), whole);
     assert_ne!(value("push torso 3 1 0 for 0.1\nrun 0.4"), whole);
-    // What is taken back has never been.
+    // Undone changes have no effect.
     let undone = "push torso 3 1 0 for 0.1\nrun 0.2\nfloor 0.1\nrun 0.1\nfriction left_knee coulomb=1\nrun 0.1\nundo\nundo\nrun 0.3";
     assert_eq!(value(undone), whole);
-    // After a reset everything is as at first.
+    // A reset restores the initial state.
     assert_eq!(value("floor 0.1\nrun 0.2\nreset\npush torso 3 1 0 for 0.1\nrun 0.5"), whole);
 }
 
-/// A session that may last longer has the pushes that were drawn for the scenario.
+/// A session may last longer than the scenario, but has the random pushes of the scenario.
 #[test]
 fn random_pushes_are_those_of_the_scenario() {
     let place = Place::new();
@@ -232,9 +233,10 @@ fn random_pushes_are_those_of_the_scenario() {
     assert!(whole.rows.iter().filter(|row| row[1] == "push").count() >= 8);
 }
 
-/// The log of a run that ends early is the beginning of the whole run's, and what is planned for all of it is the same.
+/// The log of a run that stops early equals the beginning of the full log. Random pushes are drawn
+/// for the full duration in both.
 #[test]
-fn a_run_that_stops_at_an_instant_is_the_beginning_of_the_whole() {
+fn a_run_that_stops_early_equals_the_beginning_of_the_full_run() {
     let place = Place::new();
     hoap2(
         &place,
@@ -247,6 +249,6 @@ fn a_run_that_stops_at_an_instant_is_the_beginning_of_the_whole() {
     let (whole, part) = (log_of(&place, "whole", "s"), log_of(&place, "part", "s"));
     let (whole, part) = (export(&place, &whole, &[]), export(&place, &part, &[]));
     assert_eq!(part.rows.len(), 121);
-    // The last instant is the end of the one and within the other.
+    // The last instant of the short run is its end, so it is not compared.
     assert_eq!(whole.rows[..120], part.rows[..120]);
 }

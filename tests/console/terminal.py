@@ -1,4 +1,7 @@
-"""Types at the program's console in a terminal and waits for what is to be seen. The program is in the arguments."""
+"""Drives the console of the program in a pseudo-terminal and waits for its output.
+
+The arguments are the command.
+"""
 
 import os
 import pty
@@ -15,7 +18,7 @@ seen = b""
 
 
 def wait(pattern):
-    """Reads until the pattern is there, at most a minute; what was read up to its end is done with."""
+    """Reads until the pattern appears, at most a minute, and discards the text up to its end."""
     global seen
     while True:
         found = re.search(pattern, seen)
@@ -38,19 +41,26 @@ def write(text):
 
 
 def prompt():
-    """Waits until a line is read. Before that the terminal would make a signal of Ctrl-C; the prompt's text alone is drawn again with each letter."""
+    """Waits until the program reads a line.
+
+    Before that, the terminal would turn Ctrl-C into a signal. The prompt text alone does not
+    suffice, because it is redrawn with each letter.
+    """
     wait(rb"\x1b\[\?2004h")
     wait(rb"s> ")
 
 
 def enter(text):
-    """Types a line and waits until it is taken."""
+    """Types a line and waits until the program accepts it."""
     write(text + b"\r")
     wait(rb"\x1b\[\?2004l")
 
 
 def tick(beyond):
-    """Asks until a run has gone beyond a tick, and tells where it is. What is changed before its first tick is no event, and an event is told once it has gone on."""
+    """Polls `status` until the run is beyond a tick, and returns the present tick.
+
+    A change before the first tick is no event, and an event appears only after a further tick.
+    """
     while True:
         prompt()
         enter(b"status")
@@ -68,7 +78,7 @@ prompt()
 enter(b"nonsense")
 wait(rb"there is no command `nonsense`")
 prompt()
-# Without a time it goes on until it is held.
+# Without a time, the run continues until it is paused.
 enter(b"run")
 now = tick(0)
 prompt()
@@ -82,7 +92,7 @@ enter(b"rate free")
 prompt()
 enter(b"run 0.5")
 wait(rb"\d s\r?\n")
-# A change that breaks the run is taken back.
+# A change that makes the run diverge is undone.
 enter(b"start sine joints.x.amplitude=1")
 wait(rb"has no joint `x`")
 prompt()

@@ -1,14 +1,14 @@
-//! A person at a terminal.
+//! Test of a session at a terminal.
 
 use std::path::Path;
 use std::process::Command;
 
 use crate::cli::Place;
 
-/// Lines are completed, what runs goes on while others are typed, Ctrl-C holds it, Ctrl-D ends the session. Python has terminals for
-/// tests; without it there is none.
+/// Completes lines, types while the run continues, pauses with Ctrl-C and ends with Ctrl-D. The
+/// pseudo-terminal comes from Python; without Python the test is skipped.
 #[test]
-fn a_person_completes_runs_holds_and_ends() {
+fn a_terminal_session_completes_runs_pauses_and_ends() {
     if !cfg!(unix) || !Command::new("python3").arg("--version").output().is_ok_and(|output| output.status.success()) {
         return;
     }
@@ -22,11 +22,11 @@ fn a_person_completes_runs_holds_and_ends() {
         .env("XDG_STATE_HOME", place.path("state"))
         .output()
         .unwrap();
-    let (said, wrong) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    assert!(output.status.success(), "{said}{wrong}");
+    let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{stdout}{stderr}");
     let saved = std::fs::read_to_string(place.path("s.toml")).unwrap();
     assert!(saved.contains("\"floor.friction\""), "{saved}");
-    // What was typed is remembered.
+    // The history contains the typed lines.
     let history = std::fs::read_to_string(place.path("state/stiction/console-history")).unwrap();
     assert!(history.contains("floor 0.3 0.2"), "{history}");
     place.runner(&["s.toml"]).exits(0);

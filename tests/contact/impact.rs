@@ -48,12 +48,12 @@ proptest! {
         let mut p = falling(&body, &velocity, &spin);
         let before = p.b.clone();
         let (selection, out) = strike(&mut p);
-        prop_assert!(selection.consistent, "{:?}", selection.verdict.levels);
+        prop_assert!(selection.consistent, "{:?}", selection.assessment.levels);
         // Rounding of the solve, some 1e-12 of the energy.
         let energy = body.energy(&before);
         prop_assert!(body.energy(&out.motion) <= energy * (1.0 + 1e-9), "{} {}", body.energy(&out.motion), energy);
-        let missed = law::missed(&p, &selection.states, &out, before.iter().map(|b| b.abs()).fold(1.0, f64::max));
-        prop_assert!(missed.is_empty(), "{:?} {missed:?}", selection.states[0]);
+        let violations = law::violations(&p, &selection.states, &out, before.iter().map(|b| b.abs()).fold(1.0, f64::max));
+        prop_assert!(violations.is_empty(), "{:?} {violations:?}", selection.states[0]);
     }
 
     #[test]
@@ -64,9 +64,9 @@ proptest! {
         let before = p.b.clone();
         p.soles[0].target = Vector3::new(before[2], before[3], before[4]) * -e;
         let (selection, out) = strike(&mut p);
-        prop_assert!(selection.consistent, "{:?} {:?}", selection.states[0], selection.verdict.levels);
-        let missed = law::missed(&p, &selection.states, &out, before.iter().map(|b| b.abs()).fold(1.0, f64::max));
-        prop_assert!(missed.is_empty(), "{:?} {missed:?}", selection.states[0]);
+        prop_assert!(selection.consistent, "{:?} {:?}", selection.states[0], selection.assessment.levels);
+        let violations = law::violations(&p, &selection.states, &out, before.iter().map(|b| b.abs()).fold(1.0, f64::max));
+        prop_assert!(violations.is_empty(), "{:?} {violations:?}", selection.states[0]);
         // dE = p . (v+ + v-) / 2 = p . v+ - p . W p / 2 <= p . v+, and of that only the normal part
         // can be positive.
         let back: f64 = (0..body.sole.len()).map(|i| out.normal[0][i] * p.vertex_motion(&out.motion, 0, i).z).sum();
@@ -91,7 +91,7 @@ proptest! {
         for axis in 0..2 {
             prop_assert!((after[axis] - com[axis] - (before[axis] - was[axis])).abs() < 1e-9);
         }
-        prop_assert!(selection.consistent, "{:?} {:?}", selection.states[0], selection.verdict.levels);
+        prop_assert!(selection.consistent, "{:?} {:?}", selection.states[0], selection.assessment.levels);
     }
 }
 

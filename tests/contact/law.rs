@@ -1,4 +1,5 @@
-//! Checks the contact laws on an answer from its vertex forces, without the search or the judge.
+//! Checks the contact laws on a solution from its vertex forces, independently of selection and
+//! validation.
 
 use nalgebra::{Vector2, Vector3};
 use stiction::contact::model::friction_capacity;
@@ -9,7 +10,7 @@ use stiction::contact::model::state::States;
 /// Describes each violation; empty if all laws hold. Applies at the acceleration level from rest,
 /// at the velocity level after a plastic impulse. `drive` is the size of the motion without
 /// contact, the scale of small motions.
-pub fn missed(p: &Problem, states: &States, out: &Solution, drive: f64) -> Vec<String> {
+pub fn violations(p: &Problem, states: &States, out: &Solution, drive: f64) -> Vec<String> {
     let mut list = vec![];
     let mut bar = |what: String, value: f64, limit: f64| {
         if !(value <= limit) {
@@ -17,7 +18,7 @@ pub fn missed(p: &Problem, states: &States, out: &Solution, drive: f64) -> Vec<S
         }
     };
     let load = p.scale;
-    // The answer satisfies m = b + W w up to rounding of 12 products times the condition of the
+    // The solution satisfies m = b + W w up to rounding of 12 products times the condition of the
     // joint.
     let n = p.dim();
     for r in 0..n {

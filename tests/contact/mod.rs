@@ -1,4 +1,4 @@
-//! The contact room on problems built by hand, without robots or stepping.
+//! Contact solvers on problems built by hand, without robots or stepping.
 
 mod capacity;
 mod impact;

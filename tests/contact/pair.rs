@@ -12,9 +12,9 @@ use stiction::contact::model::problem::{Level, Problem};
 /// Connection of two bodies.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Joint {
-    /// None.
+    /// No connection.
     Apart,
-    /// A rod without mass between one point of each.
+    /// A massless rod between one point of each.
     Rod,
     /// One common point.
     Ball,

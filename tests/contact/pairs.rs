@@ -56,9 +56,9 @@ proptest! {
     ) {
         let mut p = loaded(&pair, &force, &moment);
         let (selection, out) = select(&mut p);
-        prop_assert!(selection.consistent, "{:?} {:?}", selection.states, selection.verdict.levels);
-        let missed = law::missed(&p, &selection.states, &out, size(&p, G));
-        prop_assert!(missed.is_empty(), "{:?} {missed:?}", &selection.states.0[..2]);
+        prop_assert!(selection.consistent, "{:?} {:?}", selection.states, selection.assessment.levels);
+        let violations = law::violations(&p, &selection.states, &out, size(&p, G));
+        prop_assert!(violations.is_empty(), "{:?} {violations:?}", &selection.states.0[..2]);
     }
 
     #[test]
@@ -79,9 +79,9 @@ proptest! {
         let mut p = falling(&pair, &velocity, &spin);
         let before = p.b.clone();
         let (selection, out) = strike(&mut p);
-        prop_assert!(selection.consistent, "{:?} {:?}", selection.states, selection.verdict.levels);
-        let missed = law::missed(&p, &selection.states, &out, size(&p, 1.0));
-        prop_assert!(missed.is_empty(), "{:?} {missed:?}", &selection.states.0[..2]);
+        prop_assert!(selection.consistent, "{:?} {:?}", selection.states, selection.assessment.levels);
+        let violations = law::violations(&p, &selection.states, &out, size(&p, 1.0));
+        prop_assert!(violations.is_empty(), "{:?} {violations:?}", &selection.states.0[..2]);
         // Rounding of the solve, some 1e-12 of the energy, times the condition of the joint.
         prop_assert!(pair.energy(&out.motion) <= pair.energy(&before) * (1.0 + 1e-9));
     }
@@ -96,9 +96,9 @@ proptest! {
             p.soles[s].target = Vector3::new(before[6 * s + 2], before[6 * s + 3], before[6 * s + 4]) * -e;
         }
         let (selection, out) = strike(&mut p);
-        prop_assert!(selection.consistent, "{:?} {:?}", selection.states, selection.verdict.levels);
-        let missed = law::missed(&p, &selection.states, &out, size(&p, 1.0));
-        prop_assert!(missed.is_empty(), "{:?} {missed:?}", &selection.states.0[..2]);
+        prop_assert!(selection.consistent, "{:?} {:?}", selection.states, selection.assessment.levels);
+        let violations = law::violations(&p, &selection.states, &out, size(&p, 1.0));
+        prop_assert!(violations.is_empty(), "{:?} {violations:?}", &selection.states.0[..2]);
         let work = |s: usize, i: usize| out.normal[s][i] * p.vertex_motion(&out.motion, s, i).z;
         let back: f64 = (0..2).flat_map(|s| (0..p.soles[s].vertices.len()).map(move |i| (s, i))).map(|(s, i)| work(s, i)).sum();
         let gain = pair.energy(&out.motion) - pair.energy(&before);

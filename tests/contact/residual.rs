@@ -29,7 +29,7 @@ impl Case {
         }
         let mut solution = Solution::new(&p);
         solution.normal[0].copy_from_slice(&normal);
-        solution.tangent[0].iter_mut().zip(tangent).for_each(|(t, given)| *t = given.into());
+        solution.tangent[0].iter_mut().zip(tangent).for_each(|(t, value)| *t = value.into());
         let mut states = States::default();
         states[0] = state;
         let mut case = Case { p, states, solution };
@@ -102,8 +102,8 @@ fn an_exact_solution_has_zero_residuals() {
     // Forces along an edge may be shared unequally as long as both ends together carry them.
     let edge = SoleState::fixed(Pattern::Edge(0));
     only(&Case::new(edge, [10.0, 4.0, 0.0, 0.0], [[3.0, 4.0 - 1e-9], [-2.5, 0.0], [0.0; 2], [0.0; 2]]).residual(), &[]);
-    // Edge 0 runs along x: 4 N across take 3 N of the 5 N that vertex 0 carries, vertex 1 carries 2
-    // N along.
+    // Edge 0 runs along x. The 4 N across it take 3 N of the 5 N that vertex 0 carries; vertex 1
+    // carries 2 N along.
     let shifted = Case::new(edge, [10.0, 4.0, 0.0, 0.0], [[5.0 - 1e-9, 4.0], [0.0; 2], [0.0; 2], [0.0; 2]]);
     only(&shifted.residual(), &[]);
 }
@@ -149,14 +149,14 @@ fn loads_beyond_the_friction_cone_are_measured() {
     let vertex = SoleState::fixed(Pattern::Vertex(2));
     let case = Case::new(vertex, [0.0, 0.0, 10.0, 0.0], [[0.0; 2], [0.0; 2], [3.0, 4.5], [0.0; 2]]);
     only(&case.residual(), &[("cone_excess", 3f64.hypot(4.5) - 5.0)]);
-    // A static edge whose one end cannot carry what is across it.
+    // A static edge with one end that cannot carry the force across it.
     let edge = SoleState::fixed(Pattern::Edge(0));
     let case = Case::new(edge, [10.0, 4.0, 0.0, 0.0], [[0.0; 2], [0.0, 2.5], [0.0; 2], [0.0; 2]]);
     only(&case.residual(), &[("cone_excess", 0.5)]);
     // An unclamped vertex with friction.
     let case = Case::new(SoleState::FREE, [0.0; 4], [[0.0, 0.3], [0.0; 2], [0.0; 2], [0.0; 2]]);
     only(&case.residual(), &[("cone_excess", 0.3)]);
-    // The resting pivot of a sole that turns about it.
+    // The resting pivot of a sole that rotates about it.
     let mut case = Case::new(
         SoleState { pattern: Pattern::Edge(0), mode: Mode::Pivoting(1) },
         [0.0, 10.0, 0.0, 0.0],
@@ -180,7 +180,7 @@ fn friction_of_wrong_size_or_direction_is_measured() {
     case.solution.tangent[0][1] *= 0.5;
     case.sum_up();
     only(&case.residual(), &[("dissipation_gap", 0.5 * MU_K * 8.0 * speed)]);
-    // Of the right size, turned by 0.3 rad.
+    // Of the right size, rotated by 0.3 rad.
     let mut case = Case::sliding([speed, 0.0]);
     let (s, c) = 0.3f64.sin_cos();
     case.solution.tangent[0][0] = -Vector2::new(c, s) * (MU_K * 10.0);

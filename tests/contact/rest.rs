@@ -35,21 +35,21 @@ fn no_better(body: &Rigid, force: &Vector3<f64>, moment: &Vector3<f64>) -> Resul
     let mut p = load(body, force, moment);
     let (selection, _) = select(&mut p);
     let (mut selector, mut out) = (Selector::new(&p), Solution::new(&p));
-    // With less kinetic than static friction a load may be held and yet would keep sliding: then
+    // With less kinetic than static friction, both a held and a sliding state may be valid. Then
     // only static states are compared.
     let unique = body.mu[0] == body.mu[1];
     for state in SoleState::all(body.sole.len()).filter(|s| unique || !s.is_dynamic()) {
         let mut states = States::default();
         states[0] = state;
-        let verdict = selector.test(&mut p, &states, &rules(), &mut out);
+        let assessment = selector.test(&mut p, &states, &rules(), &mut out);
         prop_assert!(
-            selection.verdict.compare(&verdict).is_le(),
+            selection.assessment.compare(&assessment).is_le(),
             "{state} {:?} {:?} beats {} {:?} {:?}",
-            verdict.levels,
-            verdict.rank,
+            assessment.levels,
+            assessment.rank,
             selection.states[0],
-            selection.verdict.levels,
-            selection.verdict.rank
+            selection.assessment.levels,
+            selection.assessment.rank
         );
     }
     Ok(())
@@ -72,10 +72,10 @@ proptest! {
     fn the_selected_state_is_valid(body in body_on(1, 8), force in triple(), moment in triple()) {
         let mut p = load(&body, &force, &moment);
         let (selection, out) = select(&mut p);
-        prop_assert!(selection.consistent, "{:?} {:?}", selection.states[0], selection.verdict.levels);
+        prop_assert!(selection.consistent, "{:?} {:?}", selection.states[0], selection.assessment.levels);
         let drive = p.b.iter().map(|b| b.abs()).fold(G, f64::max);
-        let missed = law::missed(&p, &selection.states, &out, drive);
-        prop_assert!(missed.is_empty(), "{:?} {missed:?}", selection.states[0]);
+        let violations = law::violations(&p, &selection.states, &out, drive);
+        prop_assert!(violations.is_empty(), "{:?} {violations:?}", selection.states[0]);
     }
 
     #[test]

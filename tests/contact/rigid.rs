@@ -9,7 +9,7 @@ use stiction::contact::search::judge::Rules;
 
 pub const G: f64 = 9.81;
 
-/// A body above its sole. Axes: floor. The sole's reference point is the mean of its vertices.
+/// A body above its sole, in floor axes. The sole's reference point is the mean of its vertices.
 #[derive(Clone, Debug)]
 pub struct Rigid {
     /// Vertices of the sole, in order.
@@ -32,7 +32,7 @@ impl Rigid {
     }
 
     /// Motion of the reference point (linear, angular) for a wrench at the centre of mass.
-    fn answer(&self, force: &Vector3<f64>, moment: &Vector3<f64>) -> [f64; 6] {
+    fn response(&self, force: &Vector3<f64>, moment: &Vector3<f64>) -> [f64; 6] {
         let angular = self.inertia.try_inverse().expect("a body") * moment;
         let linear = force / self.mass + angular.cross(&(self.reference() - self.com));
         [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z]
@@ -48,10 +48,10 @@ impl Rigid {
             let mut w = [0.0; 6];
             w[c] = 1.0;
             let (f, m) = (Vector3::new(w[0], w[1], w[2]), Vector3::new(w[3], w[4], w[5]));
-            let column = self.answer(&f, &(m + (reference - self.com).cross(&f)));
+            let column = self.response(&f, &(m + (reference - self.com).cross(&f)));
             (0..6).for_each(|r| p.w[6 * r + c] = column[r]);
         }
-        p.b.copy_from_slice(&self.answer(force, moment));
+        p.b.copy_from_slice(&self.response(force, moment));
         let sole = &mut p.soles[0];
         for (v, place) in sole.vertices.iter_mut().zip(&self.sole) {
             v.r = Vector3::new(place.x, place.y, 0.0) - reference;
@@ -96,8 +96,8 @@ pub fn triple() -> impl Strategy<Value = Vector3<f64>> {
     [-1.0..1.0f64, -1.0..1.0, -1.0..1.0].prop_map(Vector3::from)
 }
 
-/// Bodies on soles of this few to this many vertices: points on an ellipse at angles that are never
-/// close, the centre of mass above it.
+/// Bodies on soles with a number of vertices in this range: points on an ellipse at angles that are
+/// never close, the centre of mass above it.
 pub fn body_on(fewest: usize, most: usize) -> impl Strategy<Value = Rigid> {
     let sole = (fewest..=most).prop_flat_map(|k| {
         (proptest::collection::vec(0.1..0.9f64, k), 0.3..1.0f64, 0.0..6.3f64).prop_map(move |(at, flat, turn)| {
@@ -113,7 +113,7 @@ pub fn body_on(fewest: usize, most: usize) -> impl Strategy<Value = Rigid> {
     let shape = ([0.05..0.2f64, 0.05..0.2, 0.05..0.2], triple());
     (sole, 0.2..20.0f64, shape, triple(), 0.02..0.15f64, (0.05..1.0f64, 0.3..1.0f64)).prop_map(
         |(sole, mass, (half, turn), side, height, (mu, share))| {
-            // A box of these half lengths, turned.
+            // A box of these half lengths, rotated.
             let [a, b, c] = half.map(|x| x * x * mass / 3.0);
             let turn = UnitQuaternion::from_scaled_axis(turn * 3.0).to_rotation_matrix();
             let inertia = turn * Matrix3::from_diagonal(&Vector3::new(b + c, a + c, a + b)) * turn.transpose();

@@ -15,7 +15,7 @@ use stiction::contact::model::solution::Solution;
 use stiction::contact::search::select::Selection;
 
 /// Answer of a method without a previous solution.
-fn answer(name: &str, parameters: &MethodParameters, p: &mut Problem) -> (Selection, Solution) {
+fn solve_first(name: &str, parameters: &MethodParameters, p: &mut Problem) -> (Selection, Solution) {
     let (mut method, mut out) =
         ((MethodDescriptor::named(name).expect("registered").solver)(parameters, p), Solution::new(p));
     let rules = rules();
@@ -27,7 +27,7 @@ fn answer(name: &str, parameters: &MethodParameters, p: &mut Problem) -> (Select
 /// Greatest violation of the conditions of `lcp` with m directions, or of the round cone without: m
 /// = b + W w with the wrenches of the vertex forces; Signorini; friction inside its cone with
 /// maximal dissipation. Relative to the greatest velocity and impulse.
-fn missed(p: &Problem, out: &Solution, facets: Option<u32>) -> f64 {
+fn violation(p: &Problem, out: &Solution, facets: Option<u32>) -> f64 {
     let speed = p.b.iter().map(|b| b.abs()).fold(0.0, f64::max);
     let load = out.normal.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max);
     let mut miss: f64 = 0.0;
@@ -64,8 +64,8 @@ fn missed(p: &Problem, out: &Solution, facets: Option<u32>) -> f64 {
                 }
                 None => t.norm() - v.mu_k * normal,
             };
-            let opposed = v.mu_k * normal * support(&-slip) + t.dot(&slip);
-            miss = miss.max(outside / load).max(opposed.abs() / (load * speed));
+            let dissipation_defect = v.mu_k * normal * support(&-slip) + t.dot(&slip);
+            miss = miss.max(outside / load).max(dissipation_defect.abs() / (load * speed));
         }
     }
     miss
@@ -98,10 +98,10 @@ proptest! {
     fn lcp_solves_its_problem(body in body_on(1, 8), velocity in triple(), spin in triple(), half in 2u32..9) {
         let mut p = falling(&body, &velocity, &spin);
         let before = p.b.clone();
-        let (selection, out) = answer("lcp", &with_facets(2 * half), &mut p);
+        let (selection, out) = solve_first("lcp", &with_facets(2 * half), &mut p);
         prop_assert!(selection.consistent);
         // Rounding of some tens of pivots.
-        prop_assert!(missed(&p, &out, Some(2 * half)) < 1e-10, "{:.3e}", missed(&p, &out, Some(2 * half)));
+        prop_assert!(violation(&p, &out, Some(2 * half)) < 1e-10, "{:.3e}", violation(&p, &out, Some(2 * half)));
         prop_assert!(body.energy(&out.motion) <= body.energy(&before) * (1.0 + 1e-10));
     }
 
@@ -111,23 +111,23 @@ proptest! {
     ) {
         let fall = fall.map(|v| Vector3::new(2.0 * v.x, 2.0 * v.y, v.z - 1.2));
         let mut p = pair.falling(&fall, &spin.map(|s| s * 6.0));
-        let (selection, out) = answer("lcp", &with_facets(2 * half), &mut p);
+        let (selection, out) = solve_first("lcp", &with_facets(2 * half), &mut p);
         prop_assert!(selection.consistent);
-        prop_assert!(missed(&p, &out, Some(2 * half)) < 1e-10, "{:.3e}", missed(&p, &out, Some(2 * half)));
+        prop_assert!(violation(&p, &out, Some(2 * half)) < 1e-10, "{:.3e}", violation(&p, &out, Some(2 * half)));
     }
 
     #[test]
     fn ncp_converges_to_the_round_cone(body in body_on(1, 8), velocity in triple(), spin in triple()) {
         let mut p = falling(&body, &velocity, &spin);
         let ncp = NcpParameters { iterations: 100_000, tolerance: 1e-12 };
-        let (_, out) = answer("ncp", &MethodParameters { ncp, ..MethodParameters::default() }, &mut p);
-        prop_assert!(missed(&p, &out, None) < 1e-8, "{:.3e}", missed(&p, &out, None));
+        let (_, out) = solve_first("ncp", &MethodParameters { ncp, ..MethodParameters::default() }, &mut p);
+        prop_assert!(violation(&p, &out, None) < 1e-8, "{:.3e}", violation(&p, &out, None));
     }
 }
 
 #[test]
 fn ncp_converges_at_a_geometric_rate() {
-    // A box of friction 0.5 comes down on its sole and slides: four points, unequally loaded.
+    // A box of friction 0.5 lands on its sole and slides: four points, unequally loaded.
     let body = Rigid {
         sole: [(0.1, 0.06), (-0.1, 0.06), (-0.1, -0.06), (0.1, -0.06)].map(|(x, y)| Vector2::new(x, y)).to_vec(),
         mass: 2.0,
@@ -139,8 +139,8 @@ fn ncp_converges_at_a_geometric_rate() {
     let miss = |iterations: u32| {
         let ncp = NcpParameters { iterations, tolerance: 1e-15 };
         let mut p = p.clone();
-        let (_, out) = answer("ncp", &MethodParameters { ncp, ..MethodParameters::default() }, &mut p);
-        missed(&p, &out, None)
+        let (_, out) = solve_first("ncp", &MethodParameters { ncp, ..MethodParameters::default() }, &mut p);
+        violation(&p, &out, None)
     };
     let misses = [4, 8, 12, 16, 20, 24, 28, 32].map(miss);
     let rates: Vec<f64> = misses.windows(2).map(|w| w[1] / w[0]).collect();

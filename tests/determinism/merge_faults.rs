@@ -1,4 +1,4 @@
-//! Shards that are not what their records say, and things that are no shards.
+//! Merging damaged shards, and inputs that are not shards.
 
 use std::fs;
 use std::path::PathBuf;
@@ -9,7 +9,8 @@ use crate::same::{assert_same, files};
 
 const FILES: [&str; 3] = ["thrown.toml", "compared.toml", "silent.toml"];
 
-/// Two shards in `a` and `b`, the second with these options: runs with logs, with references, and such as want no log.
+/// Two shards in `a` and `b`, the second with these options: runs with logs, with references, and
+/// runs with logging disabled.
 fn shards(more: &[&str]) -> Place {
     let place = super::scenarios();
     place.block("silent.toml", "[log]\nrate = 0\n[sweep]\nrepeat = 6\n");
@@ -28,7 +29,7 @@ fn first(place: &Place, of: &str, name: &str) -> PathBuf {
 }
 
 #[test]
-fn a_log_that_is_not_the_one_that_was_left_is_told() {
+fn a_changed_log_is_reported() {
     let place = shards(&[]);
     run(&place, &FILES, &["-o", "whole"]);
     let log = first(&place, "b", "log.mcap");
@@ -47,10 +48,10 @@ fn a_log_that_is_not_the_one_that_was_left_is_told() {
             None => fs::remove_file(&log).unwrap(),
         }
         let done = merge(&place, &[]).exits(2);
-        let told = format!(
+        let expected = format!(
             "error: b (shard 2/2) has no result of 1 of its runs: thrown {key} ({why}); run it again with --resume"
         );
-        assert!(done.stderr.contains(&told), "{}", done.stderr);
+        assert!(done.stderr.contains(&expected), "{}", done.stderr);
         assert!(done.stderr.contains("nothing was written") && !place.path("merged").exists(), "{}", done.stderr);
         let done = merge(&place, &["--partial"]);
         assert!(done.stderr.contains(&format!("thrown {key} ({why})")), "{}", done.stderr);
@@ -65,14 +66,14 @@ fn a_log_that_is_not_the_one_that_was_left_is_told() {
 }
 
 #[test]
-fn a_record_that_is_not_whole_is_told_and_left_out() {
+fn an_incomplete_record_is_reported_and_left_out() {
     let place = shards(&[]);
     let record = first(&place, "a", "run.json");
     fs::write(&record, "{").unwrap();
     let done = merge(&place, &[]).exits(2);
     assert!(done.stderr.contains("(its record is incomplete); run it again with --resume"), "{}", done.stderr);
     assert!(!place.path("merged").exists());
-    // That of another run, whole as it is.
+    // The complete record of another run.
     let others = files(&place.path("a")).into_iter().filter(|f| f.contains("thrown") && f.ends_with("run.json"));
     let other = others.map(|f| place.path("a").join(f)).find(|path| *path != record).expect("two runs");
     fs::copy(&other, &record).unwrap();
@@ -87,12 +88,12 @@ fn a_record_that_is_not_whole_is_told_and_left_out() {
         fs::remove_file(&other).unwrap();
     }
     let done = merge(&place, &[]).exits(2);
-    assert!(done.stderr.contains("has no whole record of reference"), "{}", done.stderr);
+    assert!(done.stderr.contains("has no complete record of reference"), "{}", done.stderr);
     merge(&place, &["--partial"]).exits(0);
 }
 
 #[test]
-fn shards_with_and_without_logs_are_no_single_batch() {
+fn shards_with_and_without_logs_do_not_merge() {
     let place = shards(&["--no-log"]);
     let done = merge(&place, &[]).exits(2);
     assert!(done.stderr.contains("some runs have no log (--no-log) and others have one"), "{}", done.stderr);
@@ -101,7 +102,7 @@ fn shards_with_and_without_logs_are_no_single_batch() {
     let done = merge(&place, &["--partial"]).exits(0);
     assert!(done.stderr.contains("warning: some runs have no log"), "{}", done.stderr);
     assert_eq!(place.summary("merged").rows.len(), 8 + 6 + 6);
-    // All without are one batch, and those that want none are beside such as have theirs.
+    // All runs without logs are one batch. Runs with `log.rate = 0` may be next to runs with logs.
     run(&place, &FILES, &["--shard", "1/2", "-o", "a", "--no-log"]);
     merge(&place, &[]).exits(0);
     run(&place, &FILES, &["--shard", "1/2", "-o", "a"]);
@@ -110,18 +111,19 @@ fn shards_with_and_without_logs_are_no_single_batch() {
 }
 
 #[test]
-fn what_is_no_folder_of_results_is_told_with_what_is_wanted() {
+fn an_input_that_is_no_results_folder_is_reported_with_help() {
     let place = shards(&[]);
     for (given, what) in [("a/summary.csv", "a file, not a folder"), ("nowhere", "no such folder")] {
         let done = place.runner(&["merge", "a", given, "-o", "merged"]).exits(2);
-        let told = format!("error: {given}: {what}\nhelp: name the folders of results of all shards, as `runner run");
-        assert!(done.stderr.contains(&told), "{}", done.stderr);
+        let expected =
+            format!("error: {given}: {what}\nhelp: name the folders of results of all shards, as `runner run");
+        assert!(done.stderr.contains(&expected), "{}", done.stderr);
     }
     assert!(!place.path("merged").exists());
 }
 
 #[test]
-fn an_array_of_one_task_is_warned_of() {
+fn a_job_array_of_one_task_gives_a_warning() {
     let place = super::scenarios();
     let warned = |shard: &str, count: &str, name: &str| {
         let mut command = place.command(&["list", "thrown.toml", "--shard", shard]);
@@ -135,26 +137,26 @@ fn an_array_of_one_task_is_warned_of() {
     assert_eq!(warned("1/1", "1", "SLURM_ARRAY_TASK_ID"), 0, "it was typed");
 }
 
-/// What stands in a log's place and is no file is neither read nor waited for.
+/// A log that is not a regular file is neither read nor waited for.
 #[cfg(unix)]
 #[test]
-fn a_log_that_is_no_file_is_told() {
+fn a_log_that_is_no_file_is_reported() {
     let place = shards(&[]);
     let log = first(&place, "b", "log.mcap");
     fs::remove_file(&log).unwrap();
     assert!(std::process::Command::new("mkfifo").arg(&log).status().unwrap().success());
     let done = merge(&place, &[]).exits(2);
-    assert!(done.stderr.contains("(its log is no file); run it again with --resume"), "{}", done.stderr);
+    assert!(done.stderr.contains("(its log is not a file); run it again with --resume"), "{}", done.stderr);
     fs::remove_file(&log).unwrap();
     fs::create_dir(&log).unwrap();
     let done = merge(&place, &[]).exits(2);
-    assert!(done.stderr.contains("(its log is no file)"), "{}", done.stderr);
+    assert!(done.stderr.contains("(its log is not a file)"), "{}", done.stderr);
     assert!(!place.path("merged").exists());
 }
 
-/// What is read is not written over, whatever the way to it is called.
+/// An input is never overwritten, by whatever path it is named.
 #[test]
-fn the_folder_to_write_lies_in_none_to_read_nor_they_in_a_scenarios_place() {
+fn output_and_input_folders_must_not_overlap() {
     let place = shards(&[]);
     let before = [files(&place.path("a")), files(&place.path("b"))];
     let to = |output: &str| place.runner(&["merge", "a", "b", "-o", output]).exits(2).stderr;
@@ -170,24 +172,24 @@ fn the_folder_to_write_lies_in_none_to_read_nor_they_in_a_scenarios_place() {
         std::os::unix::fs::symlink(place.path("b"), place.path("link")).unwrap();
         assert!(to("link/merged").contains("link/merged: the output folder is inside the input b"));
     }
-    // `thrown` is a scenario: its results would lie in that part.
+    // `thrown` is a scenario: its results would be written into that input.
     fs::rename(place.path("b"), place.path("thrown")).unwrap();
     let over = place.runner(&["merge", "a", "thrown", "-o", "."]).exits(2).stderr;
-    let told = "results of the scenario `thrown` would be written into the input thrown";
-    assert!(over.contains(told), "{over}");
+    let expected = "results of the scenario `thrown` would be written into the input thrown";
+    assert!(over.contains(expected), "{over}");
     assert_eq!([files(&place.path("a")), files(&place.path("thrown"))], before);
     assert!(!place.path("summary.csv").exists());
-    // Beside them there is room.
+    // Writing next to the inputs is allowed.
     fs::rename(place.path("thrown"), place.path("b")).unwrap();
     place.runner(&["merge", "a", "b", "-o", "."]).exits(0);
     assert_eq!(place.summary(".").rows.len(), 8 + 6 + 6);
     assert_eq!([files(&place.path("a")), files(&place.path("b"))], before);
 }
 
-/// Logs that were moved away and linked to are what the runs left.
+/// Logs that were moved and replaced by symbolic links are accepted.
 #[cfg(unix)]
 #[test]
-fn a_file_behind_a_link_is_brought_along() {
+fn files_behind_symbolic_links_are_merged() {
     let place = shards(&[]);
     run(&place, &FILES, &["-o", "whole"]);
     for name in ["log.mcap", "run.json"] {

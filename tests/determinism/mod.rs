@@ -1,9 +1,10 @@
-//! The same run gives the same bits, whatever runs beside it, in whatever order, in one batch or in parts. Compared are all
-//! files of the results, but for what the clock wrote: rows, records, lines of `runs.jsonl`, and logs byte by byte, so that
-//! also the order of events counts. What a batch that broke off leaves is in `faults/`.
+//! Equal runs give equal bits, whichever runs are in the batch, in any order, in one batch or in
+//! parts. The tests compare all result files except for times: rows, records, lines of
+//! `runs.jsonl`, and logs byte by byte, including the order of events. `faults/` tests the results
+//! of interrupted batches.
 //!
-//! The scenes are jittered: poses, speeds and pushes are drawn, so that no symmetry makes an order of sums or of events
-//! indifferent.
+//! The scenes are randomized: poses, speeds and pushes are drawn, so that no symmetry makes an
+//! order of sums or of events irrelevant.
 
 mod merge_faults;
 mod shards;
@@ -15,7 +16,8 @@ use std::path::{Path, PathBuf};
 use crate::cli::{Place, Table};
 use crate::same::{assert_same, files, rows};
 
-/// Blocks that are thrown, tumble, slide and stick, by all methods that land: impacts and changes of state in every run.
+/// Thrown blocks that tumble, slide and stick, with all methods that can land: impacts and changes
+/// of state in every run.
 const THROWN: &str = "base = { position = [0, 0, 0.3], rpy = [0.3, 0.2, 0.1], linear_velocity = [1, 0.3, 0] }
 [sweep.grid]
 \"contact.method\" = [\"exact\", \"one-step\"]
@@ -53,7 +55,7 @@ samples = 2
 \"robot.base.linear_velocity.1\" = { uniform = [-0.3, 0.3] }
 ";
 
-/// Blocks that slide and are compared with runs at a tighter tolerance; runs of two methods share a reference.
+/// Sliding blocks compared with runs at a tighter tolerance; runs of two methods share a reference.
 const COMPARED: &str = "base = { linear_velocity = [1, 0, 0] }
 [compare]
 reference = { \"contact.method\" = \"exact\", \"integrator.method\" = \"dopri5\", \"integrator.relative_tolerance\" = 1e-9 }
@@ -66,7 +68,7 @@ samples = 3
 
 const FILES: [&str; 5] = ["thrown.toml", "pushed.toml", "rest.toml", "slides.toml", "compared.toml"];
 
-/// All of them, with repetitions of seeds nowhere: 8 + 4 + 1 + 2 + 6 runs and 3 references.
+/// All scenarios; none repeats seeds: 8 + 4 + 1 + 2 + 6 runs and 3 references.
 fn scenarios() -> Place {
     let place = Place::new();
     place.block("thrown.toml", THROWN);
@@ -84,7 +86,7 @@ const REFERENCES: usize = 3;
 #[track_caller]
 fn run(place: &Place, files: &[&str], more: &[&str]) {
     let done = place.runner(&[files, &["--set", "duration=0.4"], more].concat());
-    // How the runs end is for other tests; here it is enough that they end alike.
+    // Other tests check how the runs end; here equal ends are enough.
     assert!(matches!(done.code, Some(0 | 1 | 3)), "{}", done.stderr);
 }
 
@@ -109,12 +111,12 @@ fn one_two_and_seven_threads_give_the_same_bits() {
     let mut ends = table.column("final_base_x");
     ends.sort_unstable();
     ends.dedup();
-    // Two integrators may agree to the last bit on a block that slides.
+    // Two integrators may agree to the last bit on a sliding block.
     assert!(ends.len() >= RUNS - REFERENCES, "the scenes are different ones: {ends:?}");
 }
 
-/// Files of the runs by scenario and key, and the rows sorted: what must not depend on the order of the batch.
-fn apart_from_order(results: &Path) -> (Vec<String>, Vec<Vec<(String, String)>>) {
+/// Result files and the sorted rows: the parts that must not depend on the order of the batch.
+fn order_independent(results: &Path) -> (Vec<String>, Vec<Vec<(String, String)>>) {
     let mut sorted = rows(&Table::read(&results.join("summary.csv")));
     // A batch has columns for the parameters of all its scenarios.
     sorted.iter_mut().for_each(|row| row.sort());
@@ -123,20 +125,20 @@ fn apart_from_order(results: &Path) -> (Vec<String>, Vec<Vec<(String, String)>>)
 }
 
 #[test]
-fn order_and_company_change_nothing() {
+fn results_do_not_depend_on_the_order_or_the_other_runs() {
     let place = scenarios();
     run(&place, &FILES, &["-o", "all"]);
     let orders = [["rest.toml", "compared.toml", "slides.toml", "thrown.toml", "pushed.toml"], {
-        let mut turned = FILES;
-        turned.reverse();
-        turned
+        let mut reversed = FILES;
+        reversed.reverse();
+        reversed
     }];
     for (i, order) in orders.iter().enumerate() {
         let output = format!("order-{i}");
         run(&place, order, &["-j", "2", "-o", &output]);
-        assert_eq!(apart_from_order(&place.path("all")), apart_from_order(&place.path(&output)));
+        assert_eq!(order_independent(&place.path("all")), order_independent(&place.path(&output)));
     }
-    // Each file by itself, and one run by itself.
+    // Each file alone, and one run alone.
     let mut logs = BTreeMap::new();
     for file in FILES {
         run(&place, &[file], &["-j", "1", "-o", "alone"]);
@@ -152,7 +154,7 @@ fn order_and_company_change_nothing() {
     run(&place, &["compared.toml"], &[&alone[..], &["-o", "two"]].concat());
     let (one, two) = (place.summary("one"), place.summary("two"));
     let comparable = |table: &Table| -> Vec<Vec<(String, String)>> {
-        // The method is swept no more.
+        // The method is no longer swept.
         let rows = rows(table).into_iter();
         rows.map(|row| row.into_iter().filter(|(name, _)| name != "integrator.method").collect()).collect()
     };

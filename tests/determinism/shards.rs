@@ -1,4 +1,4 @@
-//! Shards put together are one batch.
+//! Merged shards equal one batch.
 
 use std::fs;
 
@@ -8,7 +8,7 @@ use super::{FILES, REFERENCES, RUNS, run, scenarios};
 use crate::cli::Place;
 use crate::same::{assert_same, files};
 
-/// Runs all shards of the scenarios, each with another number of threads.
+/// Runs all shards of the scenarios, each with a different number of threads.
 fn shards(place: &Place, of: usize) -> Vec<String> {
     let names: Vec<String> = (1..=of).map(|i| format!("shard-{i}")).collect();
     for (i, name) in names.iter().enumerate() {
@@ -23,7 +23,7 @@ fn merge<'a>(shards: &[&'a str], output: &'a str) -> Vec<&'a str> {
 }
 
 #[test]
-fn merged_shards_are_what_one_batch_leaves() {
+fn merged_shards_equal_one_batch() {
     let place = scenarios();
     run(&place, &FILES, &["-o", "whole"]);
     let shards = shards(&place, 4);
@@ -34,18 +34,18 @@ fn merged_shards_are_what_one_batch_leaves() {
     let done = place.runner(&merge(&names, "merged")).exits(0);
     assert!(done.stdout.contains(&format!("{RUNS} runs: ")), "{}", done.stdout);
     assert_same(&place.path("whole"), &place.path("merged"));
-    // In whatever order they are named, and over what was there.
-    let turned: Vec<&str> = names.iter().rev().copied().collect();
-    place.runner(&merge(&turned, "merged")).exits(0);
+    // In any order of the inputs, and over existing output.
+    let reversed: Vec<&str> = names.iter().rev().copied().collect();
+    place.runner(&merge(&reversed, "merged")).exits(0);
     assert_same(&place.path("whole"), &place.path("merged"));
-    // The folder of a shard may go, and its files with it.
+    // The merged results do not need the folders of the shards.
     names.iter().for_each(|name| fs::remove_dir_all(place.path(name)).unwrap());
     assert_same(&place.path("whole"), &place.path("merged"));
     assert_eq!(files(&place.path("merged")).iter().filter(|f| f.ends_with("run.json")).count(), RUNS + REFERENCES);
 }
 
 #[test]
-fn a_run_is_in_one_shard_whatever_is_beside_it() {
+fn a_run_stays_in_its_shard_whichever_runs_are_in_the_batch() {
     let place = scenarios();
     let keys = |arguments: &[&str]| -> Vec<String> {
         let done = place.runner(&[&["list", "--format", "csv"], arguments].concat()).exits(0);
@@ -59,7 +59,7 @@ fn a_run_is_in_one_shard_whatever_is_beside_it() {
         let part = keys(&[&FILES[..], &["--shard", &shard]].concat());
         let ordered: Vec<&String> = all.iter().filter(|key| part.contains(key)).collect();
         assert_eq!(part.iter().collect::<Vec<_>>(), ordered, "in the order of the whole");
-        // With fewer files, those of them that are left are in the same shard.
+        // With fewer files, the remaining runs stay in the same shards.
         let few = keys(&["thrown.toml", "--shard", &shard]);
         let of_thrown = keys(&["thrown.toml"]);
         assert_eq!(few, part.iter().filter(|key| of_thrown.contains(key)).cloned().collect::<Vec<_>>());
@@ -72,7 +72,7 @@ fn a_run_is_in_one_shard_whatever_is_beside_it() {
 }
 
 #[test]
-fn an_array_says_which_shard_it_is_when_asked() {
+fn shard_env_reads_the_index_of_the_job_array() {
     let place = scenarios();
     let list = |shard: &str, variables: &[(&str, &str)]| {
         let mut command = place.command(&["list", "thrown.toml", "--shard", shard]);
@@ -81,33 +81,37 @@ fn an_array_says_which_shard_it_is_when_asked() {
     };
     let array = [("SLURM_ARRAY_TASK_ID", "2"), ("SLURM_ARRAY_TASK_MIN", "1"), ("SLURM_ARRAY_TASK_COUNT", "3")];
     let second = list("2/3", &[]).exits(0);
-    let asked = list("env", &array).exits(0);
-    assert_eq!((&asked.stdout, &asked.stderr), (&second.stdout, &second.stderr));
-    assert_eq!(list("1/3", &array).exits(0).stdout, list("1/3", &[]).exits(0).stdout, "unasked it says nothing");
+    let from_env = list("env", &array).exits(0);
+    assert_eq!((&from_env.stdout, &from_env.stderr), (&second.stdout, &second.stderr));
+    assert_eq!(
+        list("1/3", &array).exits(0).stdout,
+        list("1/3", &[]).exits(0).stdout,
+        "the environment counts only with `env`"
+    );
     assert!(list("env", &[]).exits(2).stderr.contains("neither SLURM_ARRAY_TASK_ID nor JOB_COMPLETION_INDEX"));
     assert!(list("4/3", &[]).exits(2).stderr.contains("there is no part 4 of 3"));
 }
 
 #[test]
-fn what_is_missing_is_told_and_nothing_is_written() {
+fn missing_results_are_reported_and_nothing_is_written() {
     let place = scenarios();
     let shards = shards(&place, 3);
     let names: Vec<&str> = shards.iter().map(String::as_str).collect();
     let done = place.runner(&merge(&names[..1], "merged")).exits(2);
     assert!(done.stderr.contains("error: 2 of 3 shards are missing: 2, 3"), "{}", done.stderr);
     assert!(!place.path("merged").exists());
-    // A run that was running when its shard was killed.
+    // As if the run had been killed with its shard.
     let lost = place.summary("shard-2").column("key")[0].to_owned();
     let scenario = place.summary("shard-2").column("scenario")[0].to_owned();
     fs::remove_file(place.path("shard-2").join(&scenario).join(&lost).join("run.json")).unwrap();
     let done = place.runner(&merge(&names, "merged")).exits(2);
-    let told = format!("error: shard-2 (shard 2/3) has no result of 1 of its runs: {scenario} {lost}");
-    assert!(done.stderr.contains(&told), "{}", done.stderr);
+    let error = format!("error: shard-2 (shard 2/3) has no result of 1 of its runs: {scenario} {lost}");
+    assert!(done.stderr.contains(&error), "{}", done.stderr);
     assert!(done.stderr.contains("--resume") && !place.path("merged").exists(), "{}", done.stderr);
     let done = place.runner(&[&merge(&names, "merged")[..], &["--partial"]].concat()).exits(0);
     assert!(done.stderr.contains("warning: shard-2"), "{}", done.stderr);
     assert_eq!(place.summary("merged").rows.len(), RUNS - 1);
-    // Completed, it is all there.
+    // After completing the shard, all results are present.
     run(&place, &FILES, &["--shard", "2/3", "-o", "shard-2", "--resume"]);
     place.runner(&merge(&names, "merged")).exits(0);
     run(&place, &FILES, &["-o", "whole"]);
@@ -119,13 +123,13 @@ fn results_that_do_not_belong_together_are_refused() {
     let place = scenarios();
     let shards = shards(&place, 2);
     let names: Vec<&str> = shards.iter().map(String::as_str).collect();
-    let refused = |folders: &[&str], words: &str| {
+    let refused = |folders: &[&str], message: &str| {
         let done = place.runner(&merge(folders, "merged")).exits(2);
-        assert!(done.stderr.contains(words), "{}", done.stderr);
+        assert!(done.stderr.contains(message), "{}", done.stderr);
         assert!(!place.path("merged").exists());
     };
     run(&place, &FILES[..1], &["-o", "plain"]);
-    refused(&["shard-1", "plain"], "plain: not the results of a shard: it has no shard.jsonl");
+    refused(&["shard-1", "plain"], "plain: not the results of a shard: shard.jsonl is missing");
     run(&place, &FILES[..1], &["-o", "fewer", "--shard", "2/2"]);
     refused(&["shard-1", "fewer"], "shard-1 and fewer are not shards of one plan: the plans have 21 and 8 runs");
     run(&place, &FILES, &["-o", "other", "--shard", "2/2", "--set", "gravity=[0, 0, -9.8]"]);
@@ -134,7 +138,7 @@ fn results_that_do_not_belong_together_are_refused() {
     refused(&["shard-1", "third"], "one of 2 and one of 3");
     let done = place.runner(&merge(&names, "shard-1")).exits(2);
     assert!(done.stderr.contains("shard-1: the output folder is one of the inputs"), "{}", done.stderr);
-    // The same shard twice is no trouble, unless the two differ.
+    // The same shard twice is accepted, unless the copies differ.
     run(&place, &FILES, &["-o", "again", "--shard", "2/2"]);
     place.runner(&merge(&["shard-1", "shard-2", "again"], "twice")).exits(0);
     assert_eq!(place.summary("twice").rows.len(), RUNS);
@@ -147,22 +151,22 @@ fn results_that_do_not_belong_together_are_refused() {
     let steps = format!("metrics.steps is {} and {}", record.metrics.steps - 1, record.metrics.steps);
     refused(&["shard-1", "shard-2", "again"], "1 runs differ between folders:");
     refused(&["shard-1", "shard-2", "again"], &format!("{scenario} {key}: {steps} in shard-2 and again"));
-    // References are made by every shard that needs them: machines that differ give themselves away.
+    // Every shard computes the references it needs; differences between machines show there.
     let reference = |name: &str| {
         let below = files(&place.path(name)).into_iter().find(|f| f.contains("references/") && f.ends_with("run.json"));
         place.path(name).join(below.expect("every shard has a run that is compared"))
     };
     let path = reference("shard-2");
-    let (kept, mut record) = (fs::read(&path).unwrap(), RunRecord::read(&path).unwrap());
+    let (original, mut record) = (fs::read(&path).unwrap(), RunRecord::read(&path).unwrap());
     record.metrics.final_base_position[0] += 1e-16;
     record.metrics.steps += 1;
     record.write(&path).unwrap();
     let done = place.runner(&merge(&names, "merged"));
-    // Only where the other shard needs the same one.
+    // An error only if the other shard needs the same reference.
     let shared = place.path("shard-1").join(path.strip_prefix(place.path("shard-2")).unwrap()).is_file();
     assert_eq!(done.code, Some(if shared { 2 } else { 0 }), "{}", done.stderr);
     assert!(!shared || done.stderr.contains("do not compute the same bits"), "{}", done.stderr);
-    fs::write(&path, kept).unwrap();
+    fs::write(&path, original).unwrap();
 }
 
 #[test]

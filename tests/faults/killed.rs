@@ -1,4 +1,4 @@
-//! `kill -9` at any moment.
+//! Test of `kill -9` at random moments.
 
 use std::fs;
 use std::path::Path;
@@ -8,20 +8,20 @@ use std::time::{Duration, Instant};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::{ARGUMENTS, ENDS, batch, everything_is_whole};
+use super::{ARGUMENTS, EXIT_CODE, assert_all_files_complete, batch};
 use crate::cli::{Done, Place};
 use crate::same::{assert_same, files};
 
-/// Moments at which a batch is killed.
+/// Number of kills.
 const KILLS: usize = 50;
 
-/// Records below a folder, those of references included.
+/// Number of records below a folder, including those of references.
 fn records(results: &Path) -> usize {
     if results.exists() { files(results).iter().filter(|f| f.ends_with("run.json")).count() } else { 0 }
 }
 
-/// Starts the batch and kills it some time later, unless it has ended by then. What holds afterwards holds at every
-/// moment, so it does not matter which was met.
+/// Starts the batch and kills it after a delay, unless it has ended by then. The assertions hold at
+/// every moment, so the exact time of the kill does not matter.
 fn start_and_kill(place: &Place, output: &str, after: Duration) {
     let arguments = [&ARGUMENTS[..], &["--resume", "-o", output]].concat();
     let mut child = place.command(&arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
@@ -32,37 +32,37 @@ fn start_and_kill(place: &Place, output: &str, after: Duration) {
     if !results.exists() {
         return;
     }
-    everything_is_whole(&results);
-    // Every run whose end was told is kept: none but those that were running are lost.
-    let told = done.stderr.lines().filter(|line| line.starts_with('[')).count();
-    assert!(records(&results) >= told, "{} records\n{}", records(&results), done.stderr);
+    assert_all_files_complete(&results);
+    // Every run reported as finished has a record: only running runs are lost.
+    let reported = done.stderr.lines().filter(|line| line.starts_with('[')).count();
+    assert!(records(&results) >= reported, "{} records\n{}", records(&results), done.stderr);
 }
 
 #[test]
-fn a_batch_that_is_killed_at_any_moment_is_completed_to_the_same_bits() {
+fn resume_completes_a_killed_batch_to_the_same_bits() {
     let place = batch();
     let begin = Instant::now();
-    place.runner(&[&ARGUMENTS[..], &["-o", "whole"]].concat()).exits(ENDS);
+    place.runner(&[&ARGUMENTS[..], &["-o", "whole"]].concat()).exits(EXIT_CODE);
     let whole = begin.elapsed();
     let all = records(&place.path("whole"));
     assert_eq!(all, 16 + 4);
     let mut random = ChaCha8Rng::seed_from_u64(7);
-    let mut met = Vec::new();
+    let mut finished = Vec::new();
     let mut batches = 0;
-    while met.len() < KILLS {
+    while finished.len() < KILLS {
         let output = format!("killed-{batches}");
         batches += 1;
-        // A few times in a row: what resumes may be killed as well.
+        // Several times in a row, because a resumed batch may be killed as well.
         for _ in 0..random.random_range(1..=3) {
             start_and_kill(&place, &output, whole.mul_f64(random.random_range(0.0..1.1)));
-            met.push(records(&place.path(&output)));
+            finished.push(records(&place.path(&output)));
         }
-        let done = place.runner(&[&ARGUMENTS[..], &["--resume", "-o", &output]].concat()).exits(ENDS);
+        let done = place.runner(&[&ARGUMENTS[..], &["--resume", "-o", &output]].concat()).exits(EXIT_CODE);
         assert!(done.stderr.contains("resumed: "), "{}", done.stderr);
         assert_same(&place.path("whole"), &place.path(&output));
         fs::remove_dir_all(place.path(&output)).unwrap();
     }
-    // Were all of them before the first run or after the last, nothing would have been shown.
-    let between = met.iter().filter(|n| (1..all).contains(n)).count();
-    assert!(between > 0, "{met:?}");
+    // Kills only before the first run or after the last would test nothing.
+    let between = finished.iter().filter(|n| (1..all).contains(n)).count();
+    assert!(between > 0, "{finished:?}");
 }

@@ -1,4 +1,5 @@
-//! Nothing is written outside the folder of results: links planted in it are refused or replaced, never followed.
+//! Tests that nothing is written outside the folder of results: symbolic links in it are refused or
+//! replaced, never followed.
 #![cfg(unix)]
 
 use std::fs;
@@ -8,13 +9,13 @@ use std::path::Path;
 use crate::cli::Place;
 use crate::same::files;
 
-/// A folder beside the results with two files in it, one of the name of a record.
-fn elsewhere(place: &Place) {
+/// Creates a folder next to the results with two files, one named like a record.
+fn create_elsewhere(place: &Place) {
     place.write("elsewhere/run.json", "mine").write("elsewhere/keep.txt", "mine");
 }
 
 #[track_caller]
-fn elsewhere_is_as_it_was(place: &Place) {
+fn assert_elsewhere_unchanged(place: &Place) {
     let folder = place.path("elsewhere");
     assert_eq!(files(&folder), ["keep.txt", "run.json"]);
     for file in files(&folder) {
@@ -22,7 +23,7 @@ fn elsewhere_is_as_it_was(place: &Place) {
     }
 }
 
-/// A block that runs for a tenth of a second; where its record is.
+/// Runs the block for a tenth of a second and returns the folder of the run within the results.
 fn run(place: &Place) -> String {
     place.block("s.toml", "");
     place.runner(&["s.toml", "--set", "duration=0.1"]).exits(0);
@@ -35,51 +36,51 @@ fn is_plain_file(path: &Path) -> bool {
 }
 
 #[test]
-fn a_link_in_the_place_of_a_scenarios_folder_is_refused() {
+fn a_link_as_folder_of_a_scenario_is_refused() {
     for name in ["s", "s/references"] {
         let place = Place::new();
-        elsewhere(&place);
+        create_elsewhere(&place);
         place.block("s.toml", "");
         fs::create_dir_all(place.path("results").join(name).parent().unwrap()).unwrap();
         symlink(place.path("elsewhere"), place.path("results").join(name)).unwrap();
         let done = place.runner(&["s.toml"]).exits(2);
-        let words = format!("results/{name}: a symbolic link to {}", place.path("elsewhere").display());
-        assert!(done.stderr.contains(&words), "{}", done.stderr);
-        elsewhere_is_as_it_was(&place);
+        let message = format!("results/{name}: a symbolic link to {}", place.path("elsewhere").display());
+        assert!(done.stderr.contains(&message), "{}", done.stderr);
+        assert_elsewhere_unchanged(&place);
     }
 }
 
 #[test]
-fn a_link_in_the_place_of_a_runs_folder_is_that_runs_error() {
+fn a_link_as_folder_of_a_run_is_an_error_of_that_run() {
     let place = Place::new();
-    elsewhere(&place);
+    create_elsewhere(&place);
     let folder = run(&place);
     fs::remove_dir_all(place.path("results").join(&folder)).unwrap();
     symlink(place.path("elsewhere"), place.path("results").join(&folder)).unwrap();
     let done = place.runner(&["s.toml", "--set", "duration=0.1"]).exits(3);
     assert!(done.stdout.contains(&format!("results/{folder}: a symbolic link to")), "{}", done.stdout);
     assert_eq!(place.summary("results").column("outcome"), ["error"]);
-    elsewhere_is_as_it_was(&place);
+    assert_elsewhere_unchanged(&place);
 }
 
 #[test]
-fn a_link_in_the_place_of_the_list_of_runs_is_refused() {
+fn a_link_as_list_of_runs_is_refused() {
     for target in ["elsewhere/keep.txt", "elsewhere/new.txt"] {
         let place = Place::new();
-        elsewhere(&place);
+        create_elsewhere(&place);
         place.block("s.toml", "");
         fs::create_dir(place.path("results")).unwrap();
         symlink(place.path(target), place.path("results/runs.jsonl")).unwrap();
         let done = place.runner(&["s.toml"]).exits(2);
         assert!(done.stderr.contains("results/runs.jsonl: a symbolic link to"), "{}", done.stderr);
-        elsewhere_is_as_it_was(&place);
+        assert_elsewhere_unchanged(&place);
     }
 }
 
 #[test]
-fn links_in_the_place_of_files_are_replaced_by_them() {
+fn links_as_result_files_are_replaced_by_files() {
     let place = Place::new();
-    elsewhere(&place);
+    create_elsewhere(&place);
     let folder = run(&place);
     let names: Vec<String> = ["summary.csv", "summary.parquet", "report.html"]
         .map(str::to_owned)
@@ -89,7 +90,7 @@ fn links_in_the_place_of_files_are_replaced_by_them() {
     for name in &names {
         let path = place.path("results").join(name);
         fs::remove_file(&path).unwrap();
-        // One that leads nowhere would be made where it leads, were it followed.
+        // Following a link to a missing file would create that file.
         let target = if name.ends_with("html") { "elsewhere/new.html" } else { "elsewhere/keep.txt" };
         symlink(place.path(target), &path).unwrap();
     }
@@ -100,15 +101,15 @@ fn links_in_the_place_of_files_are_replaced_by_them() {
     }
     let problems = place.path("results").join(&folder).join("problems");
     assert!(fs::symlink_metadata(problems).unwrap().is_dir());
-    elsewhere_is_as_it_was(&place);
-    // `report` writes some of them as well.
+    assert_elsewhere_unchanged(&place);
+    // `report` writes some of these files too.
     for name in &names[..3] {
         let path = place.path("results").join(name);
         fs::remove_file(&path).unwrap();
         symlink(place.path("elsewhere/keep.txt"), &path).unwrap();
     }
     place.runner(&["report", "results"]).exits(0);
-    elsewhere_is_as_it_was(&place);
+    assert_elsewhere_unchanged(&place);
 }
 
 #[test]
@@ -134,33 +135,33 @@ fn shards() -> Place {
 const MERGE: [&str; 5] = ["merge", "shard-1", "shard-2", "-o", "merged"];
 
 #[test]
-fn merging_neither_follows_links_nor_names() {
+fn merging_follows_neither_links_nor_invalid_names() {
     let place = shards();
-    elsewhere(&place);
+    create_elsewhere(&place);
     fs::create_dir(place.path("merged")).unwrap();
     symlink(place.path("elsewhere"), place.path("merged/s")).unwrap();
     let done = place.runner(&MERGE).exits(2);
     assert!(done.stderr.contains("merged/s: a symbolic link to"), "{}", done.stderr);
-    elsewhere_is_as_it_was(&place);
+    assert_elsewhere_unchanged(&place);
     fs::remove_file(place.path("merged/s")).unwrap();
     let list = place.path("shard-1/shard.jsonl");
     let text = fs::read_to_string(&list).unwrap();
     for name in ["..", "../elsewhere", "/tmp", "", "s/references"] {
-        // Lines behind the first are runs.
+        // Lines after the first are runs.
         let (head, runs) = text.split_once('\n').unwrap();
         fs::write(&list, format!("{head}\n{}", runs.replace("\"s\"", &format!("{name:?}")))).unwrap();
         let done = place.runner(&MERGE).exits(2);
         assert!(done.stderr.contains(&format!("\"{name}\" is not a valid folder name")), "{}", done.stderr);
-        elsewhere_is_as_it_was(&place);
+        assert_elsewhere_unchanged(&place);
     }
     fs::write(&list, text).unwrap();
     place.runner(&MERGE).exits(0);
 }
 
 #[test]
-fn what_is_no_file_is_not_brought_along() {
+fn merging_copies_regular_files_only() {
     let place = shards();
-    elsewhere(&place);
+    create_elsewhere(&place);
     let folder = files(&place.path("shard-1")).into_iter().find(|f| f.ends_with("run.json")).unwrap();
     let folder = Path::new(&folder).parent().unwrap();
     symlink(place.path("elsewhere/keep.txt"), place.path("shard-1").join(folder).join("link.txt")).unwrap();
@@ -172,7 +173,7 @@ fn what_is_no_file_is_not_brought_along() {
 }
 
 #[test]
-fn a_record_cannot_choose_where_it_is_made_again() {
+fn a_record_cannot_choose_the_output_folder_of_its_replay() {
     let place = Place::new();
     let folder = run(&place);
     let path = place.path("results").join(&folder).join("run.json");
@@ -180,9 +181,9 @@ fn a_record_cannot_choose_where_it_is_made_again() {
     for name in ["..", "../../elsewhere", "/tmp/elsewhere"] {
         fs::write(&path, text.replacen("\"scenario\": \"s\"", &format!("\"scenario\": {name:?}"), 1)).unwrap();
         place.runner(&["replay", &format!("results/{folder}"), "--base", ".", "-o", "again/below"]);
-        let made: Vec<String> =
+        let entries: Vec<String> =
             fs::read_dir(place.path("")).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-        assert!(!made.contains(&"elsewhere".to_owned()), "{made:?}");
+        assert!(!entries.contains(&"elsewhere".to_owned()), "{entries:?}");
         if place.path("again").exists() {
             assert!(fs::read_dir(place.path("again")).unwrap().all(|e| e.unwrap().file_name() == "below"), "{name}");
         }
@@ -190,7 +191,7 @@ fn a_record_cannot_choose_where_it_is_made_again() {
 }
 
 #[test]
-fn long_names_and_strange_ones_are_folders_or_refused() {
+fn long_and_unusual_names_are_folders_or_refused() {
     for stem in ["a b", "ä", "-x", "a\nb", "a\\b", "~", "...", &"n".repeat(250)] {
         let place = Place::new();
         let name = format!("{stem}.toml");
@@ -209,7 +210,7 @@ fn long_names_and_strange_ones_are_folders_or_refused() {
 }
 
 #[test]
-fn inputs_behind_links_that_lead_elsewhere_are_told() {
+fn inputs_behind_links_to_other_folders_are_reported() {
     let place = Place::new();
     place.write("shared/wave.luau", "function run() end\n").write("scenarios/s.toml", "");
     fs::create_dir(place.path("scenarios/tasks")).unwrap();
@@ -227,10 +228,10 @@ fn inputs_behind_links_that_lead_elsewhere_are_told() {
     scenario("tasks/wave.luau");
     let done = place.runner(&["check", "scenarios/s.toml"]).exits(0);
     let real = place.path("shared/wave.luau").canonicalize().unwrap();
-    let words = format!("a symbolic link leads elsewhere: scenarios/tasks/wave.luau is {}", real.display());
-    assert!(done.stderr.contains(&words) && done.stderr.contains("scenarios/s.toml:4:8"), "{}", done.stderr);
+    let message = format!("a symbolic link leads elsewhere: scenarios/tasks/wave.luau is {}", real.display());
+    assert!(done.stderr.contains(&message) && done.stderr.contains("scenarios/s.toml:4:8"), "{}", done.stderr);
     place.runner(&["check", "--strict", "scenarios/s.toml"]).exits(2);
-    // A robot with its URDF elsewhere.
+    // A robot whose URDF is a link to another folder.
     fs::rename(place.path("block/block.urdf"), place.path("shared/block.urdf")).unwrap();
     symlink(place.path("shared/block.urdf"), place.path("block/block.urdf")).unwrap();
     scenario("tasks/plain.luau");
@@ -238,9 +239,9 @@ fn inputs_behind_links_that_lead_elsewhere_are_told() {
     assert!(done.stderr.contains("a symbolic link leads out of the robot's folder"), "{}", done.stderr);
 }
 
-/// A link that leads nowhere was meant to be a scenario: it is not passed over.
+/// A link to a missing scenario is an error: it is not skipped.
 #[test]
-fn a_scenario_that_was_lost_is_told() {
+fn a_link_to_a_missing_scenario_is_an_error() {
     let place = Place::new();
     place.block("in/s.toml", "");
     fs::rename(place.path("block"), place.path("in/block")).unwrap();

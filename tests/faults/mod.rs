@@ -1,5 +1,6 @@
-//! What may happen to a batch: killed, interrupted, out of room. In every case what was finished is kept, nothing is there
-//! that is not whole, and `--resume` completes the results to those of a batch to which nothing happened.
+//! Tests of batches that are killed, interrupted or out of disk space. In every case finished runs
+//! are kept and all files are complete. `--resume` completes the results to those of an undisturbed
+//! batch.
 
 mod disk;
 mod killed;
@@ -13,9 +14,9 @@ use std::path::Path;
 use crate::cli::Place;
 use crate::same::files;
 
-/// No file of a batch is half there, at whatever moment it broke off.
+/// Asserts that all files of a batch are complete. Unfinished files have the extension `.partial`.
 #[track_caller]
-pub fn everything_is_whole(results: &Path) {
+pub fn assert_all_files_complete(results: &Path) {
     for file in files(results) {
         let path = results.join(&file);
         let bytes = || std::fs::read(&path).unwrap();
@@ -29,13 +30,13 @@ pub fn everything_is_whole(results: &Path) {
                 let summary = mcap::Summary::read(&log).unwrap().expect("a log has a summary");
                 assert!(summary.metadata_indexes.iter().any(|m| m.name == "end"), "{file}");
             }
-            // Its last line may be torn; `--resume` cuts it off.
+            // Its last line may be incomplete. `--resume` removes it.
             "runs.jsonl" => {
                 let text = String::from_utf8(bytes()).unwrap();
                 for line in text.split_inclusive('\n').filter(|line| line.ends_with('\n')) {
                     let line: serde_json::Value = serde_json::from_str(line).unwrap();
-                    let word = |name: &str| line[name].as_str().unwrap().to_owned();
-                    let record = results.join(word("scenario")).join(word("key")).join("run.json");
+                    let field = |name: &str| line[name].as_str().unwrap().to_owned();
+                    let record = results.join(field("scenario")).join(field("key")).join("run.json");
                     assert!(record.is_file(), "{} has a line and no record", record.display());
                 }
             }
@@ -47,7 +48,7 @@ pub fn everything_is_whole(results: &Path) {
     }
 }
 
-/// Two files with 16 runs and 4 references: impacts, sliding, sticking, logs, comparisons.
+/// Two scenarios with 16 runs and 4 references: impacts, sliding, sticking, logs, comparisons.
 pub fn batch() -> Place {
     let place = Place::new();
     place.block(
@@ -73,8 +74,8 @@ reference = { \"integrator.relative_tolerance\" = 1e-9 }
     place
 }
 
-/// What runs of [`batch`] are started with.
+/// Arguments for the runs of [`batch`].
 pub const ARGUMENTS: [&str; 6] = ["thrown.toml", "slides.toml", "--set", "duration=0.5", "-j", "2"];
 
-/// How the program ends when nothing happens to it.
-pub const ENDS: i32 = 0;
+/// Exit code of the undisturbed batch.
+pub const EXIT_CODE: i32 = 0;

@@ -1,10 +1,10 @@
-//! `--resume`: what is taken, what is made again, and why.
+//! Tests of `--resume`: which runs are reused, which are re-run, and the stated reasons.
 
 use std::fs;
 
 use stiction::results::RunRecord;
 
-use super::{ARGUMENTS, ENDS, batch};
+use super::{ARGUMENTS, EXIT_CODE, batch};
 use crate::cli::{Done, Place};
 use crate::same::assert_same;
 
@@ -12,9 +12,9 @@ fn resume(place: &Place, arguments: &[&str]) -> Done {
     place.runner(&[arguments, &["--resume"]].concat())
 }
 
-/// The line about runs that are made again.
+/// The line with the reason for re-runs.
 #[track_caller]
-fn again(done: &Done) -> &str {
+fn rerun_reason(done: &Done) -> &str {
     let mut lines = done.stderr.lines().filter(|line| line.contains(" again: "));
     let line = lines.next().unwrap_or_else(|| panic!("no reason in {}", done.stderr));
     assert_eq!(lines.next(), None, "{}", done.stderr);
@@ -22,62 +22,63 @@ fn again(done: &Done) -> &str {
 }
 
 #[test]
-fn what_is_done_is_taken_as_it_is() {
+fn resumed_batch_reruns_only_missing_runs() {
     let place = batch();
-    place.runner(&[&ARGUMENTS[..], &["-o", "whole"]].concat()).exits(ENDS);
-    place.runner(&ARGUMENTS).exits(ENDS);
-    let when = |place: &Place| {
+    place.runner(&[&ARGUMENTS[..], &["-o", "whole"]].concat()).exits(EXIT_CODE);
+    place.runner(&ARGUMENTS).exits(EXIT_CODE);
+    let modified = |place: &Place| {
         let key = place.summary("results").column("key")[0].to_owned();
         fs::metadata(place.path("results/thrown").join(key).join("run.json")).unwrap().modified().unwrap()
     };
-    let before = when(&place);
-    let done = resume(&place, &ARGUMENTS).exits(ENDS);
+    let before = modified(&place);
+    let done = resume(&place, &ARGUMENTS).exits(EXIT_CODE);
     assert!(done.stderr.contains("resumed: 16 runs and 4 reference runs done already"), "{}", done.stderr);
-    assert!(!done.stderr.contains("[1") && !done.stderr.contains("again"), "nothing was run: {}", done.stderr);
-    assert_eq!(when(&place), before);
+    assert!(!done.stderr.contains("[1") && !done.stderr.contains("again"), "no run starts: {}", done.stderr);
+    assert_eq!(modified(&place), before);
     assert_same(&place.path("whole"), &place.path("results"));
-    // One record is lost: its run is made, and the reference that it needs, and nothing else.
+    // One record is missing: only its run and the reference that it needs are re-run.
     let keys: Vec<String> = place.summary("results").column("key").iter().map(|k| k.to_string()).collect();
     fs::remove_file(place.path("results/slides").join(&keys[12]).join("run.json")).unwrap();
-    let done = resume(&place, &[&ARGUMENTS[..], &["-v"]].concat()).exits(ENDS);
+    let done = resume(&place, &[&ARGUMENTS[..], &["-v"]].concat()).exits(EXIT_CODE);
     assert!(done.stderr.contains("resumed: 15 runs and 3 reference runs done already"), "{}", done.stderr);
     assert!(done.stderr.contains("1 run for the first time"), "{}", done.stderr);
     let lines: Vec<&str> = done.stderr.lines().filter(|l| l.starts_with('[')).collect();
     assert_eq!(lines.len(), 2, "{lines:?}");
     assert!(lines[1].starts_with("[20/20] slides "), "{lines:?}");
-    // Its line has been written twice; that is the one thing that tells.
-    let told = fs::read_to_string(place.path("results/runs.jsonl")).unwrap();
-    assert_eq!(told.lines().count(), 17);
-    let once: Vec<&str> = told.lines().take(16).collect();
-    place.write("results/runs.jsonl", once.join("\n") + "\n");
+    // The list has a second line of this run. That is the only difference.
+    let listed = fs::read_to_string(place.path("results/runs.jsonl")).unwrap();
+    assert_eq!(listed.lines().count(), 17);
+    let first_lines: Vec<&str> = listed.lines().take(16).collect();
+    place.write("results/runs.jsonl", first_lines.join("\n") + "\n");
     assert_same(&place.path("whole"), &place.path("results"));
 }
 
 #[test]
-fn a_reference_that_somebody_removed_is_made_again() {
+fn a_removed_reference_is_rerun() {
     let place = batch();
-    place.runner(&[&ARGUMENTS[..], &["-o", "whole"]].concat()).exits(ENDS);
-    place.runner(&ARGUMENTS).exits(ENDS);
+    place.runner(&[&ARGUMENTS[..], &["-o", "whole"]].concat()).exits(EXIT_CODE);
+    place.runner(&ARGUMENTS).exits(EXIT_CODE);
     fs::remove_dir_all(place.path("results/slides/references")).unwrap();
-    let done = resume(&place, &ARGUMENTS).exits(ENDS);
+    let done = resume(&place, &ARGUMENTS).exits(EXIT_CODE);
     assert!(done.stderr.contains("resumed: 16 runs done already"), "{}", done.stderr);
-    assert!(done.stderr.contains("again: its record is not there, "), "{}", done.stderr);
+    assert!(done.stderr.contains("again: its record is missing, "), "{}", done.stderr);
     assert_same(&place.path("whole"), &place.path("results"));
 }
 
-/// The key is that of the resolved scenario, so the same run may stand in two sweeps; its row has the columns of its own.
+/// The key depends on the resolved scenario, so two sweeps can contain the same run. Its row has
+/// the columns of its own sweep.
 #[test]
-fn a_run_of_another_sweep_is_made_again() {
+fn a_run_of_another_sweep_is_rerun() {
     let place = Place::new();
     let grid = |more: &str| format!("[sweep.grid]\n\"floor.friction\" = [0.4, 0.5]\n{more}");
     place.block("s.toml", &grid(""));
     let batch = |folder| ["s.toml", "--set", "duration=0.01", "-o", folder];
     place.runner(&batch("results")).exits(0);
-    // The value that it had without being said, and another one.
+    // The default value and another one.
     place.block("s.toml", &grid("\"integrator.relative_tolerance\" = [1e-6, 1e-8]\n"));
     place.runner(&batch("whole")).exits(0);
     let done = resume(&place, &batch("results")).exits(0);
-    assert!(again(&done).contains("2 runs again: other values are swept now"), "{}", done.stderr);
+    assert!(rerun_reason(&done).contains("2 runs again: other values are swept now"), "{}", done.stderr);
     let column = |folder: &str| {
         let summary = place.summary(folder);
         summary.column("integrator.relative_tolerance").iter().map(|x| x.to_string()).collect::<Vec<_>>()
@@ -86,9 +87,9 @@ fn a_run_of_another_sweep_is_made_again() {
     assert!(column("results").iter().all(|x| !x.is_empty()));
 }
 
-/// A change of each kind of input, and what is said of it.
+/// Changes each kind of input and checks the stated reason.
 #[test]
-fn it_says_what_changed() {
+fn changed_inputs_are_stated_as_the_reason() {
     let place = Place::new();
     let home = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let copy = |from: &str, to: &str| fs::read_to_string(home.join(from)).map(|text| place.write(to, text).path(to));
@@ -114,39 +115,39 @@ fn it_says_what_changed() {
             ),
         );
     };
-    let changed = |file: &str, from: &str, to: &str| {
+    let change = |file: &str, from: &str, to: &str| {
         let text = fs::read_to_string(place.path(file)).unwrap();
         assert!(text.contains(from), "{file}");
         place.write(file, text.replacen(from, to, 1));
     };
-    let now = || {
+    let resume_reason = || {
         let done = resume(&place, &["s.toml"]);
         assert!(matches!(done.code, Some(0)), "{}", done.stderr);
-        again(&done).strip_suffix(", such as s integrator.max_step=0.01").unwrap().to_owned()
+        rerun_reason(&done).strip_suffix(", such as s integrator.max_step=0.01").unwrap().to_owned()
     };
     scenario("0.5");
     let first = resume(&place, &["s.toml"]).exits(0);
     assert!(first.stderr.contains("  2 runs for the first time"), "{}", first.stderr);
     scenario("0.6");
     assert_eq!(
-        now(),
+        resume_reason(),
         "2 runs again: `floor.friction.kinetic` was 0.5, is 0.6; `floor.friction.static` was 0.5, is 0.6"
     );
-    changed("hoap2/hoap2.toml", "\n", "\n# A note.\n");
-    assert_eq!(now(), "2 runs again: robot file hoap2.toml changed");
-    changed("hoap2/hoap2.urdf", "<visual>", "<!-- A note. --><visual>");
-    assert_eq!(now(), "2 runs again: robot file hoap2.urdf changed");
-    changed("hoap2/badge.stl", "vertex 1 0 0", "vertex 2 0 0");
-    assert_eq!(now(), "2 runs again: mesh badge.stl changed");
-    changed("bow.toml", "HOAP-2 bows", "It bows");
-    assert_eq!(now(), "2 runs again: `task.0.file`, the file bow.toml changed");
-    changed("wave.luau", "Raises", "Lifts");
-    changed("s.toml", "duration", "gravity = [0, 0, -9.8]\nduration");
+    change("hoap2/hoap2.toml", "\n", "\n# A note.\n");
+    assert_eq!(resume_reason(), "2 runs again: robot file hoap2.toml changed");
+    change("hoap2/hoap2.urdf", "<visual>", "<!-- A note. --><visual>");
+    assert_eq!(resume_reason(), "2 runs again: robot file hoap2.urdf changed");
+    change("hoap2/badge.stl", "vertex 1 0 0", "vertex 2 0 0");
+    assert_eq!(resume_reason(), "2 runs again: mesh badge.stl changed");
+    change("bow.toml", "HOAP-2 bows", "It bows");
+    assert_eq!(resume_reason(), "2 runs again: `task.0.file`, the file bow.toml changed");
+    change("wave.luau", "Raises", "Lifts");
+    change("s.toml", "duration", "gravity = [0, 0, -9.8]\nduration");
     assert_eq!(
-        now(),
+        resume_reason(),
         "2 runs again: `gravity` was [0.0, 0.0, -9.81], is [0.0, 0.0, -9.8]; `task.1.file`, the file wave.luau changed"
     );
-    // As another version of the program would have left them.
+    // Records as written by another version of the program.
     let last: Vec<String> = place.summary("results").column("key").iter().map(|key| key.to_string()).collect();
     for entry in fs::read_dir(place.path("results/s")).unwrap() {
         let folder = entry.unwrap().path();
@@ -160,13 +161,16 @@ fn it_says_what_changed() {
         record.write(&folder.with_file_name(other).join("run.json")).unwrap();
         fs::remove_dir_all(folder).unwrap();
     }
-    assert_eq!(now(), format!("2 runs again: the program was stiction 0.0.9, is {}", stiction::results::PROGRAM));
+    assert_eq!(
+        resume_reason(),
+        format!("2 runs again: the program was stiction 0.0.9, is {}", stiction::results::PROGRAM)
+    );
 }
 
 #[test]
-fn runs_that_the_clock_or_trouble_ended_are_made_again_and_others_are_not() {
+fn timed_out_runs_are_rerun_and_failed_runs_are_not() {
     let place = Place::new();
-    // The first ends before it may, the third takes longer than it may.
+    // The first run ends before the required duration, the third exceeds the time limit.
     place.block(
         "s.toml",
         "[log]\nrate = 1\n[[expect]]\nmetric = \"duration_s\"\nmin = 0.1\n[sweep.grid]\nduration = [0.05, 0.1, 1e9]\n",
@@ -174,57 +178,60 @@ fn runs_that_the_clock_or_trouble_ended_are_made_again_and_others_are_not() {
     place.runner(&["s.toml", "--timeout", "1", "-j", "1"]).exits(3);
     assert_eq!(place.summary("results").column("outcome"), ["failed", "passed", "timed-out"]);
     let key = place.summary("results").column("key")[2].to_owned();
-    assert!(place.path("results/s").join(&key).join("log.mcap").is_file(), "a run that did not finish keeps its log");
+    assert!(place.path("results/s").join(&key).join("log.mcap").is_file(), "an unfinished run keeps its log");
     let done = resume(&place, &["s.toml", "--timeout", "1", "-j", "1"]).exits(3);
-    assert_eq!(again(&done), "1 run again: it ended as `timed-out`, s duration=1000000000.0");
+    assert_eq!(rerun_reason(&done), "1 run again: it ended as `timed-out`, s duration=1000000000.0");
     assert!(done.stderr.contains("resumed: 2 runs done already"), "{}", done.stderr);
-    // Its expectation did not hold: it would not hold again, and the exit code says so.
+    // A failed expectation would fail again, so the run is reused. The exit code is still 1.
     let done = resume(&place, &["s.toml", "--set", "duration=0.05"]).exits(1);
     assert!(done.stderr.contains("resumed: 1 run done already"), "{}", done.stderr);
 }
 
 #[test]
-fn what_is_asked_for_now_must_be_there() {
+fn missing_or_damaged_files_cause_a_rerun() {
     let place = Place::new();
     place.block("s.toml", "");
     let arguments = ["s.toml", "--set", "duration=0.1"];
     place.runner(&[&arguments[..], &["--no-log"]].concat()).exits(0);
     let done = resume(&place, &arguments).exits(0);
-    assert_eq!(again(&done), "1 run again: it has no log, s");
+    assert_eq!(rerun_reason(&done), "1 run again: it has no log, s");
     let key = place.summary("results").column("key")[0].to_owned();
     let run = |name: &str| place.path("results/s").join(&key).join(name);
     assert!(run("log.mcap").is_file());
-    // Half a log or half a record, as a power failure may leave them.
+    // An incomplete log or record, as after a power failure.
     let log = fs::read(run("log.mcap")).unwrap();
     fs::write(run("log.mcap"), &log[..log.len() / 2]).unwrap();
-    assert_eq!(again(&resume(&place, &arguments).exits(0)), "1 run again: its log is shorter than the recorded one, s");
+    assert_eq!(
+        rerun_reason(&resume(&place, &arguments).exits(0)),
+        "1 run again: its log is shorter than the recorded one, s"
+    );
     assert_eq!(fs::read(run("log.mcap")).unwrap(), log);
     fs::remove_file(run("log.mcap")).unwrap();
-    assert_eq!(again(&resume(&place, &arguments).exits(0)), "1 run again: its log is missing, s");
-    // A block of it lost, its length and end as they were.
-    let mut hole = log.clone();
-    hole[log.len() / 2] ^= 1;
-    fs::write(run("log.mcap"), &hole).unwrap();
+    assert_eq!(rerun_reason(&resume(&place, &arguments).exits(0)), "1 run again: its log is missing, s");
+    // A changed byte in the middle, with the same length and end.
+    let mut damaged = log.clone();
+    damaged[log.len() / 2] ^= 1;
+    fs::write(run("log.mcap"), &damaged).unwrap();
     let done = resume(&place, &arguments).exits(0);
-    assert_eq!(again(&done), "1 run again: its log is not the recorded one, s");
+    assert_eq!(rerun_reason(&done), "1 run again: its log is not the recorded one, s");
     assert_eq!(fs::read(run("log.mcap")).unwrap(), log);
-    // Records of earlier versions say nothing of it: then only its end is looked at.
+    // Records of earlier versions have no hash of the log. Then only the end of the log is checked.
     let mut record: serde_json::Value = serde_json::from_slice(&fs::read(run("run.json")).unwrap()).unwrap();
     assert!(record.as_object_mut().unwrap().remove("log").is_some());
     fs::write(run("run.json"), record.to_string()).unwrap();
     assert!(resume(&place, &arguments).exits(0).stderr.contains("resumed: 1 run done already"));
     fs::write(run("log.mcap"), &log[..log.len() / 2]).unwrap();
-    assert_eq!(again(&resume(&place, &arguments).exits(0)), "1 run again: its log is incomplete, s");
+    assert_eq!(rerun_reason(&resume(&place, &arguments).exits(0)), "1 run again: its log is incomplete, s");
     fs::write(run("run.json"), "{").unwrap();
-    assert_eq!(again(&resume(&place, &arguments).exits(0)), "1 run again: its record is no whole record, s");
+    assert_eq!(rerun_reason(&resume(&place, &arguments).exits(0)), "1 run again: its record is incomplete, s");
     let mut record = RunRecord::read(&run("run.json")).unwrap();
     record.key = "0123456789abcdef".into();
     record.write(&run("run.json")).unwrap();
-    assert_eq!(again(&resume(&place, &arguments).exits(0)), "1 run again: its record is that of another run, s");
-    // Repetitions for timing are no part of the key: the run is taken, and timed.
+    assert_eq!(rerun_reason(&resume(&place, &arguments).exits(0)), "1 run again: its record belongs to another run, s");
+    // Timing repetitions are not part of the key: the run is reused and timed.
     place.block("s.toml", "[compare]\ntiming_repeats = 2\n");
     let done = resume(&place, &arguments).exits(0);
     assert!(done.stderr.contains("resumed: 1 run done already"), "{}", done.stderr);
     assert!(place.summary("results").numbers("timing_cpu_min_s")[0] > 0.0);
-    assert!(!resume(&place, &arguments).exits(0).stderr.contains("timing: repetition"), "once is enough");
+    assert!(!resume(&place, &arguments).exits(0).stderr.contains("timing: repetition"), "an existing timing is reused");
 }

@@ -1,4 +1,4 @@
-//! `carried-object`: conservation laws of taking, carrying and letting go.
+//! `carried-object`: conservation laws of grasp, carrying and release.
 
 use super::fly;
 use crate::analytic::body::{Body, G};
@@ -18,7 +18,7 @@ fn object(rest: &str) -> String {
     format!("[[force]]\ntype = \"carried-object\"\nlink = \"block\"\nmass = {M}\nposition = [{R}, 0, 0]\n{rest}\n")
 }
 
-/// Without gravity, spinning about z with its centre at rest in the origin.
+/// Without gravity, rotating about z with its centre at rest in the origin.
 fn spinning(body: &Body, spin: f64, duration: f64, object: &str) -> String {
     let robot = body.floating(&format!("position = [0, 0, 0], angular_velocity = [0, 0, {spin}]"));
     format!("duration = {duration:?}\ngravity = [0, 0, 0]\n{robot}{TIGHT}{object}")
@@ -29,7 +29,7 @@ fn a_spinning_body_that_catches_an_object_keeps_its_angular_momentum() {
     let body = body();
     let (inertia, spin) = (body.inertia()[2], 3.0);
     let reduced = M * body.mass / (M + body.mass);
-    // An object at rest next to the spinning box; a flying one; a long one.
+    // An object at rest next to the rotating box, a flying one, and a long one.
     for (velocity, own) in [([0.0; 3], 0.0), ([0.4, -1.0, 0.0], 0.0), ([0.0; 3], 0.03)] {
         let turn = spin * 0.5_f64;
         let place = Vector3::new(R * turn.cos(), R * turn.sin(), 0.0);
@@ -50,22 +50,27 @@ fn a_spinning_body_that_catches_an_object_keeps_its_angular_momentum() {
         let p = momentum(&sim.plant().ws);
         assert!((p.linear - velocity * M).norm() < 1e-9 && (p.angular.z - angular).abs() < 1e-9, "{p:?}");
         let before = 0.5 * (inertia * spin * spin + M * velocity.norm_squared());
-        let kept = 0.5 * (together * after * after + (velocity * M).norm_squared() / (M + body.mass));
-        assert!((metrics.impact_loss_j - (before - kept)).abs() < 1e-10, "{} {}", metrics.impact_loss_j, before - kept);
-        assert!(before - kept > 0.01, "something is lost");
+        let remaining = 0.5 * (together * after * after + (velocity * M).norm_squared() / (M + body.mass));
+        assert!(
+            (metrics.impact_loss_j - (before - remaining)).abs() < 1e-10,
+            "{} {}",
+            metrics.impact_loss_j,
+            before - remaining
+        );
+        assert!(before - remaining > 0.01, "something is lost");
         assert!((metrics.external_work_j - 0.5 * M * velocity.norm_squared()).abs() < 1e-12, "the object's energy");
         assert!(metrics.max_energy_error_j < 1e-9, "{}", metrics.max_energy_error_j);
     }
 }
 
 #[test]
-fn an_object_that_moves_along_is_taken_and_released_without_a_jerk() {
+fn grasping_and_releasing_an_object_at_equal_velocity_changes_no_velocity() {
     let body = body();
     let (spin, from, held, after) = (3.0, 0.5, 0.7, 0.4);
     let text = object(&format!("start = {from}\nduration = {held}"));
     let mut sim = simulation(&spinning(&body, spin, from + held + after, &text));
     let metrics = finish(&mut sim, &mut NullObserver);
-    // Together they turn as before about their centre of mass, which keeps its velocity at that
+    // Together they rotate as before about their centre of mass, which keeps its velocity at that
     // instant.
     let turn = |angle: f64| Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
     let (omega, arm) = (Vector3::z() * spin, Vector3::x() * (R * M / (M + body.mass)));
@@ -78,13 +83,13 @@ fn an_object_that_moves_along_is_taken_and_released_without_a_jerk() {
     let v = &sim.plant().state.v;
     assert!((Vector3::new(v[0], v[1], v[2]) - velocity).norm() < 1e-8 && (v[5] - spin).abs() < 1e-9, "{v:?}");
     assert_eq!(metrics.impact_loss_j, 0.0);
-    // It brings m (w R)^2 / 2 and takes along what it has when it goes.
+    // The object adds m (w R)^2 / 2 at the grasp and removes its kinetic energy at the release.
     let speed = |v: Vector3<f64>, arm: Vector3<f64>| (v + omega.cross(&arm)).norm_squared();
     let brought = 0.5 * M * speed(Vector3::zeros(), turn(spin * from) * Vector3::x() * R);
     let taken = 0.5 * M * speed(velocity, turn(spin * (from + held)) * Vector3::x() * R);
     assert!((metrics.external_work_j - (brought - taken)).abs() < 1e-9, "{}", metrics.external_work_j);
     assert!(metrics.max_energy_error_j < 1e-9, "{}", metrics.max_energy_error_j);
-    // The box is its old self to the last bit.
+    // The box has its initial properties again, to the last bit.
     let link = &sim.plant().model.links[0];
     let whole = simulation(&spinning(&body, spin, 1.0, ""));
     assert_eq!(*link, whole.plant().model.links[0]);
@@ -132,7 +137,7 @@ fn standing(body: &Body, mu: f64, settings: &str, object: &str) -> String {
 #[test]
 fn a_standing_box_that_catches_a_mass_is_held_by_the_floor() {
     let (body, mu) = (Body::new([0.2, 0.2, 0.02], 2.0), 0.3);
-    // Dropped on it, thrown at it, both at once: the floor's impulses are m u_z and at most mu
+    // Dropped on the box, thrown at it, and both: the floor's impulses are m u_z and at most mu
     // times that.
     for (u, slides) in
         [([0.0, 0.0, -2.0], false), ([3.0, 0.0, 0.0], true), ([3.0, 0.0, -2.0], true), ([0.4, 0.0, -2.0], false)]
@@ -174,7 +179,7 @@ fn every_contact_method_supports_a_carried_object() {
         let settings = format!("contact.method = \"{method}\"\nintegrator.method = \"{integrator}\"\n");
         let m = run(&standing(&body, 0.5, &settings, &text));
         let normal = m.final_normal_force_n.expect("it lies");
-        // Springs still swing a little, and their floor yields by m g / (4 k).
+        // Springs still oscillate slightly, and their floor deflects by m g / (4 k).
         let allowed = if method == "penalty" { 1e-2 } else { 1e-6 };
         assert!((normal / ((M + body.mass) * G) - 1.0).abs() < allowed, "{method} {integrator}: {normal}");
         assert!((m.final_base_position[2] - body.half[2]).abs() < 1e-4, "{method} {integrator}: {m:?}");
@@ -195,9 +200,9 @@ fn a_standing_robot_picks_up_a_load() {
         duration = 0.8\n";
     let mut recorded = Recording::default();
     let m = finish(&mut simulation(text), &mut recorded);
-    let words: Vec<_> =
+    let messages: Vec<_> =
         recorded.events.iter().filter(|e| e.kind == "object").map(|e| (e.time, e.message.as_str())).collect();
-    assert_eq!(words, [(0.3, "0.5 kg taken"), (1.1, "0.5 kg released")]);
+    assert_eq!(messages, [(0.3, "0.5 kg taken"), (1.1, "0.5 kg released")]);
     assert_eq!((m.inconsistent, m.impacts), (0, 0));
     // Integration at relative tolerance 1e-6 of energies of some J.
     assert!(m.max_energy_error_j < 1e-5, "{}", m.max_energy_error_j);

@@ -1,4 +1,4 @@
-//! `drag`: falling through air, and carried by wind.
+//! `drag`: fall through air, and motion with the wind.
 
 use super::{G, fly};
 use crate::analytic::body::Body;
@@ -31,7 +31,7 @@ fn a_fall_with_linear_drag_approaches_terminal_velocity() {
 #[test]
 fn a_fall_with_quadratic_drag_follows_the_hyperbolic_tangent() {
     let (body, c, t) = (body(), 0.9, 1.5);
-    // Without a link every link is meant: here the one there is.
+    // Without `link` the force acts on every link; this robot has one.
     for link in ["link = \"block\"\n", ""] {
         let end = fly(&body, [0.0, 0.0, 9.0], [0.0; 3], t, &drag(&format!("{link}quadratic = {c}")));
         let terminal = (body.mass * G / c).sqrt();
@@ -63,12 +63,12 @@ fn drag_off_the_centre_exerts_a_moment() {
     // Translation along x with the point above the centre: the torque is about y.
     let end = fly(&body, [0.0; 3], [speed, 0.0, 0.0], 1e-4, &text);
     let rate = end.metrics.final_base_angular_velocity[1] / 1e-4;
-    // The torque of the first instant; it changes by about c r^2 t / I, 1e-3 of itself.
+    // The torque of the first instant; its relative change is about c r^2 t / I = 1e-3.
     assert!((rate / (-c * speed * r / body.inertia()[1]) - 1.0).abs() < 1e-3, "{rate}");
 }
 
-/// Velocity-level steps take a damper at the end of the step: `v' = v / (1 + h c / m)`, however
-/// strong it is.
+/// Velocity-level steps evaluate a damper at the end of the step: `v' = v / (1 + h c / m)`, at any
+/// strength.
 #[test]
 fn stiff_drag_and_dampers_do_not_reverse_a_velocity_step() {
     let (body, h) = (body(), 1e-3);
@@ -83,7 +83,7 @@ fn stiff_drag_and_dampers_do_not_reverse_a_velocity_step() {
             let metrics = finish(&mut sim, &mut NullObserver);
             let v = &sim.plant().state.v;
             let truth = (1.0 + h * c / body.mass).powi(-50);
-            // Rounding over 50 steps, of a velocity of 2 m/s and of the instants between them.
+            // Rounding over 50 steps, of a velocity of 2 m/s and of the intermediate instants.
             assert!((v[0] - truth).abs() < 5e-14 && (v[1] + 2.0 * truth).abs() < 5e-14, "{c}: {v:?} {truth}");
             let lost = 0.5 * body.mass * 5.0 * (1.0 - truth * truth);
             assert!((metrics.external_work_j + lost).abs() < 1e-12, "{c}: {} {lost}", metrics.external_work_j);
@@ -92,8 +92,8 @@ fn stiff_drag_and_dampers_do_not_reverse_a_velocity_step() {
     }
 }
 
-/// The double pendulum with drag on both links and a joint that is led: whole rows of the mass
-/// matrix take part.
+/// The double pendulum with drag on both links and a commanded joint; whole rows of the mass matrix
+/// are involved.
 #[test]
 fn velocity_steps_of_jointed_robots_with_drag_converge() {
     let end = |integrator: &str, c: f64, lead: &str| {
@@ -119,9 +119,11 @@ fn velocity_steps_of_jointed_robots_with_drag_converge() {
             q.iter().zip(&truth).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
         };
         let (coarse, fine) = (off(1e-3), off(2.5e-4));
-        // Order 1: a quarter of the error, and no more than step times the speeds of some rad/s.
+        // Order 1: a quarter of the error, and no more than the step times the speeds of some
+        // rad/s.
         assert!(coarse < 5e-3 && (3.0..5.0).contains(&(coarse / fine)), "{lead}: {coarse:e} {fine:e}");
-        // Far beyond where an explicit damper would be stable, it holds still but for creeping.
+        // Far beyond the stability limit of an explicit damper, the joint stays still except for
+        // creep.
         let (q, _) = end("method = \"semi-implicit\", step = 1e-3", 1e6, lead);
         assert!(q.iter().all(|q| q.abs() < 3.0), "{lead}: {q:?}");
     }

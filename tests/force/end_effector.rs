@@ -1,12 +1,12 @@
-//! Forces in the frame of an end effector are the same as in its link's frame.
+//! Forces given in the frame of an end effector equal forces given in the frame of its link.
 
 use crate::analytic::support::{Recording, TIGHT, root, watch};
 use std::fs;
 use stiction::{assemble, robot, scenario};
 use tempfile::TempDir;
 
-/// A file of HOAP-2 whose left hand has a frame of its own, in its palm and turned by a right angle
-/// about z.
+/// A robot file of HOAP-2 whose left hand has its own frame, in the palm and rotated by a right
+/// angle about z.
 fn robot_file() -> (TempDir, String) {
     let folder = TempDir::new().expect("a folder for the robot");
     let text = fs::read_to_string(root().join("robots/hoap2/hoap2.toml")).expect("it is there");
@@ -18,7 +18,7 @@ fn robot_file() -> (TempDir, String) {
     (folder, format!("{path:?}"))
 }
 
-/// HOAP-2 floats and its arms swing, with one force.
+/// HOAP-2 floats and swings its arms, under one force.
 fn floating(model: &str, force: &str) -> Recording {
     watch(&format!(
         "duration = 0.6\ngravity = [0, 0, 0]\n{TIGHT}[robot]\nmodel = {model}\nsoles = []\nbase = {{ position = [0, 0, 1] }}
@@ -27,7 +27,7 @@ fn floating(model: &str, force: &str) -> Recording {
     .1
 }
 
-/// The forces, without and with a point of their own: type and other keys, the key of the point.
+/// Force types as `(type and other keys, key of the point)`; run with and without that point.
 const KINDS: [(&str, &str); 5] = [
     ("type = \"carried-object\"\nmass = 0.3\nstart = 0.1\nduration = 0.3\nvelocity = [0.1, 0, 0]", "position"),
     ("type = \"constant\"\nforce = [1, 2, 3]\nmoment = [0.1, 0, 0]", "point"),
@@ -37,23 +37,23 @@ const KINDS: [(&str, &str); 5] = [
 ];
 
 #[test]
-fn both_notations_give_the_same_bits() {
-    for (kind, place) in KINDS {
-        // The palm of the robot file: 0.02 m along x of the link.
+fn both_notations_give_identical_bits() {
+    for (kind, point_key) in KINDS {
+        // The palm in the robot file: 0.02 m along x of the link.
         let by_hand = floating("\"robots/hoap2/hoap2.toml\"", &format!("{kind}\nend_effector = \"left_hand\""));
         let by_link =
-            floating("\"robots/hoap2/hoap2.toml\"", &format!("{kind}\nlink = \"l_hand\"\n{place} = [0.02, 0, 0]"));
+            floating("\"robots/hoap2/hoap2.toml\"", &format!("{kind}\nlink = \"l_hand\"\n{point_key} = [0.02, 0, 0]"));
         let off = floating("\"robots/hoap2/hoap2.toml\"", &format!("{kind}\nlink = \"l_hand\""));
         let end = |recorded: &Recording| {
             recorded.snapshots.last().map(|s| (s.base_pose, s.q.clone(), s.qd.clone())).expect("the end")
         };
         assert_eq!(end(&by_hand), end(&by_link), "{kind}");
-        assert_ne!(end(&by_hand), end(&off), "{kind}: the place matters");
+        assert_ne!(end(&by_hand), end(&off), "{kind}: the point matters");
     }
 }
 
 #[test]
-fn places_turns_and_axes_are_those_of_a_turned_frame() {
+fn points_rotations_and_axes_follow_a_rotated_frame() {
     let (_folder, model) = robot_file();
     let cases = [
         // The frame's x is the link's y.
@@ -72,7 +72,7 @@ fn places_turns_and_axes_are_those_of_a_turned_frame() {
         let a = floating(&model, &format!("{kind}\nend_effector = \"tool\"\n{in_frame}"));
         let b = floating(&model, &format!("{kind}\nlink = \"l_hand\"\n{in_link}"));
         let (a, b) = (a.snapshots.last().expect("the end"), b.snapshots.last().expect("the end"));
-        // Rounding of the frame, grown by 0.6 s of motion integrated at 1e-9.
+        // Rounding of the frame, amplified over 0.6 s of motion integrated at 1e-9.
         let apart = (a.base_pose.translation.vector - b.base_pose.translation.vector).norm();
         assert!(apart < 1e-8 && a.q.iter().zip(&b.q).all(|(x, y)| (x - y).abs() < 1e-8), "{kind} {apart:e}");
         assert!(a.base_pose.translation.vector.norm() > 1.0 + 1e-6 || a.q[0] != 0.0, "it moved");
@@ -86,7 +86,7 @@ fn an_event_names_the_end_effector_of_an_object() {
 }
 
 #[test]
-fn an_entry_that_names_none_two_or_an_unknown_one_is_an_error_at_its_place() {
+fn no_end_effector_two_or_an_unknown_one_is_an_error_with_its_position() {
     let wrong = |robot: &str, force: &str| {
         let text = format!("robot = {{ model = \"{robot}\" }}\n[[force]]\n{force}\n");
         let found = scenario::parse(&root().join("test.toml"), &text).and_then(|file| {

@@ -5,7 +5,7 @@ use crate::analytic::body::Body;
 use crate::analytic::support::{Recording, TIGHT, finish, simulation};
 use nalgebra::Vector3;
 
-/// A box in the air without gravity: where it ends, and the events of a kind.
+/// A box in the air without gravity: its final state, and the events of a kind.
 fn flight(kind: &str, duration: f64, text: &str) -> (End, Vec<(f64, String)>) {
     let body = Body::new([0.1, 0.1, 0.05], 2.0);
     let robot = body.floating("position = [0, 0, 1], linear_velocity = [0, 0.05, 0]");
@@ -27,7 +27,7 @@ fn event(at: f64, set: &str) -> String {
 }
 
 #[test]
-fn a_spring_stays_where_it_is_when_an_event_sets_the_value_it_has() {
+fn setting_a_spring_to_its_current_values_does_not_move_it() {
     for anchor in [
         "",
         "anchor = { velocity = [0.3, 0, 0] }",
@@ -35,20 +35,21 @@ fn a_spring_stays_where_it_is_when_an_event_sets_the_value_it_has() {
         "anchor = { sine = { amplitude = [0.1, 0, 0.1], frequency = 1, phase = 0.5 } }",
         "anchor = { waypoints = [{ at = 0, position = [0, 0, 1] }, { at = 1, position = [0.2, 0, 1] }] }",
     ] {
-        let (alone, told_alone) = flight("spring", 1.5, &spring(anchor));
+        let (alone, events_alone) = flight("spring", 1.5, &spring(anchor));
         let same = "\"force.0.stiffness\" = 50, \"force.0.damping\" = 2.0, \"force.0.rest_length\" = 0";
-        let (set, told_set) = flight("spring", 1.5, &(spring(anchor) + &event(0.7, same)));
+        let (set, events_set) = flight("spring", 1.5, &(spring(anchor) + &event(0.7, same)));
         // Steps end at the event: integration at 1e-9 over some hundred steps.
         let apart = (set.position - alone.position).norm() + (set.velocity - alone.velocity).norm();
         assert!(apart < 1e-7, "{anchor}: {apart:e}");
-        assert_eq!(told_alone.len(), 1, "{told_alone:?}");
-        assert_eq!(told_set, told_alone, "{anchor}");
+        assert_eq!(events_alone.len(), 1, "{events_alone:?}");
+        assert_eq!(events_set, events_alone, "{anchor}");
     }
 }
 
 #[test]
 fn a_newly_attached_spring_exerts_no_force() {
-    // Another velocity of the hand: it takes hold where the point is, and drifts from there.
+    // Another velocity of the hand: it grips at the current position of the point and moves from
+    // there.
     let hand = spring("anchor = { velocity = [0.3, 0, 0] }").replace("damping = 2", "damping = 0");
     let (text, w) = (hand + &event(0.7, "\"force.0.anchor\" = { velocity = [-0.2, 0, 0] }"), 5.0);
     let (at, _) = flight("spring", 0.7, &text);
@@ -58,8 +59,8 @@ fn a_newly_attached_spring_exerts_no_force() {
     let way = u * t + (v - u) * (w * t).sin() / w;
     // Integration at 1e-9.
     assert!((end.position.x - at.position.x - way).abs() < 1e-7, "{} {way}", end.position.x - at.position.x);
-    let words: Vec<_> = recorded.iter().map(|(t, words)| (*t, &words[..8])).collect();
-    assert_eq!(words, [(0.2, "attached"), (0.7, "attached")], "{recorded:?}");
+    let messages: Vec<_> = recorded.iter().map(|(t, messages)| (*t, &messages[..8])).collect();
+    assert_eq!(messages, [(0.2, "attached"), (0.7, "attached")], "{recorded:?}");
 }
 
 #[test]
@@ -67,12 +68,12 @@ fn past_events_are_not_reported_again() {
     let short = spring("duration = 0.3\nanchor = { position = [0.1, 0, 1] }");
     let (_, recorded) = flight("spring", 1.5, &(short + &event(1.0, "\"force.0.stiffness\" = 60")));
     assert_eq!(recorded.iter().map(|(t, _)| *t).collect::<Vec<_>>(), [0.2, 0.5], "{recorded:?}");
-    // It lets go when an event puts its end into the past, and takes hold again when one puts it
-    // off.
+    // The hand releases when an event puts its end into the past, and grips again when one
+    // postpones it.
     let set = event(0.7, "\"force.0.duration\" = 0.1") + &event(1.0, "\"force.0.duration\" = 9");
     let (_, recorded) = flight("spring", 1.5, &(spring("") + &set));
-    let words: Vec<_> = recorded.iter().map(|(t, words)| (*t, &words[..8])).collect();
-    assert_eq!(words, [(0.2, "attached"), (0.7, "released"), (1.0, "attached")]);
+    let messages: Vec<_> = recorded.iter().map(|(t, messages)| (*t, &messages[..8])).collect();
+    assert_eq!(messages, [(0.2, "attached"), (0.7, "released"), (1.0, "attached")]);
 
     let pushes = "[[force]]\ntype = \"random-pushes\"\nlinks = [\"block\"]\nnumber = 12\nmagnitude = [1, 1]\n";
     let (_, alone) = flight("push", 1.5, pushes);

@@ -1,10 +1,10 @@
-//! Forces on a link that is fixed to the world are refused: they would move nothing.
+//! Forces on a link that is fixed to the world are refused: they could not move it.
 
 use crate::analytic::support::root;
 use stiction::{assemble, robot, scenario};
 
 #[test]
-fn a_force_on_a_fixed_link_is_refused_at_its_name() {
+fn a_force_on_a_fixed_link_is_refused_at_the_link_name() {
     for force in [
         "type = \"constant\"\nlink = \"base\"\nforce = [1, 0, 0]",
         "type = \"spring\"\nlink = \"base\"\nstiffness = 1",

@@ -17,15 +17,15 @@ use stiction::sim::{Metrics, NullObserver};
 /// Standard gravity of a scenario, m/s^2.
 const G: f64 = 9.81;
 
-/// What a body was doing at the end of a run.
+/// State of a body at the end of a run.
 struct End {
     position: Vector3<f64>,
     velocity: Vector3<f64>,
     metrics: Metrics,
 }
 
-/// A box in the air without a sole, starting at `position` with `velocity`; `text` has the rest of
-/// the scenario.
+/// Runs a box in the air without a sole, starting at `position` with `velocity`; `text` is the rest
+/// of the scenario.
 fn fly(body: &Body, position: [f64; 3], velocity: [f64; 3], duration: f64, text: &str) -> End {
     let robot = body.floating(&format!("position = {position:?}, linear_velocity = {velocity:?}"));
     let mut sim = simulation(&format!("duration = {duration:?}\n{robot}{TIGHT}{text}"));

@@ -1,4 +1,4 @@
-//! `random-pushes`: reported pushes act as reported, and seeds decide.
+//! `random-pushes`: reported pushes act as reported, and seeds determine them.
 
 use super::End;
 use crate::analytic::body::Body;
@@ -20,8 +20,8 @@ fn pushed(body: &Body, seed: u64, rest: &str) -> (End, Vec<SimEvent>) {
     (end, recorded.events.into_iter().filter(|e| e.kind == "push").collect())
 }
 
-/// Force and duration in the words of an event.
-fn recorded(event: &SimEvent) -> (Vector3<f64>, f64) {
+/// Force and duration, parsed from the message of an event.
+fn parse_push(event: &SimEvent) -> (Vector3<f64>, f64) {
     let digits = |c: char| !c.is_ascii_digit() && c != '.' && c != '-';
     let n: Vec<f64> = event.message.split(digits).filter_map(|w| w.parse().ok()).collect();
     (Vector3::new(n[0], n[1], n[2]), n[3])
@@ -33,31 +33,31 @@ fn reported_pushes_give_the_momentum() {
     for (profile, area) in [("constant", 1.0), ("half-sine", 2.0 / std::f64::consts::PI), ("triangle", 0.5)] {
         let (end, events) = pushed(&body, 3, &format!("number = 8\ndirection = \"any\"\nprofile = \"{profile}\""));
         assert_eq!(events.len(), 8);
-        let impulse: Vector3<f64> = events.iter().map(|e| recorded(e).0 * recorded(e).1 * area).sum();
+        let impulse: Vector3<f64> = events.iter().map(|e| parse_push(e).0 * parse_push(e).1 * area).sum();
         // Forces are reported to 1e-3 N, durations to 1e-4 s: 8 pushes of up to 5 N and 0.2 s.
         assert!((end.velocity * body.mass - impulse).norm() < 8.0 * (0.5e-3 * 0.2 + 5.0 * 0.5e-4), "{impulse}");
         assert!(impulse.norm() > 0.1);
         for event in &events {
-            let (force, duration) = recorded(event);
+            let (force, duration) = parse_push(event);
             assert!((0.2..2.7).contains(&event.time) && event.subject == "block", "{event:?}");
             assert!((1.998..5.002).contains(&force.norm()) && (0.0499..0.2001).contains(&duration), "{event:?}");
         }
-        assert!(events.iter().any(|e| recorded(e).0.z.abs() > 0.5), "not all horizontal");
+        assert!(events.iter().any(|e| parse_push(e).0.z.abs() > 0.5), "not all horizontal");
         assert!(end.metrics.max_energy_error_j < 1e-8, "{}", end.metrics.max_energy_error_j);
     }
 }
 
 #[test]
-fn seeds_and_positions_in_the_file_decide() {
+fn pushes_depend_on_the_seed_and_the_position_in_the_file() {
     let body = Body::new([0.1, 0.1, 0.05], 2.0);
-    let words = |seed, rest| pushed(&body, seed, rest).1.into_iter().map(|e| (e.time, e.message)).collect::<Vec<_>>();
-    let first = words(1, "rate = 4");
-    assert_eq!(first, words(1, "rate = 4"));
-    assert_ne!(first, words(2, "rate = 4"));
-    assert!(first.iter().all(|(_, m)| m.contains(", 0.000) N")), "horizontal unless recorded otherwise: {first:?}");
-    // A second entry draws its own.
+    let pushes = |seed, rest| pushed(&body, seed, rest).1.into_iter().map(|e| (e.time, e.message)).collect::<Vec<_>>();
+    let first = pushes(1, "rate = 4");
+    assert_eq!(first, pushes(1, "rate = 4"));
+    assert_ne!(first, pushes(2, "rate = 4"));
+    assert!(first.iter().all(|(_, m)| m.contains(", 0.000) N")), "horizontal by default: {first:?}");
+    // A second entry draws its own pushes.
     let both =
-        words(1, "rate = 4\n[[force]]\ntype = \"random-pushes\"\nlinks = [\"block\"]\nmagnitude = [1, 1]\nnumber = 2");
+        pushes(1, "rate = 4\n[[force]]\ntype = \"random-pushes\"\nlinks = [\"block\"]\nmagnitude = [1, 1]\nnumber = 2");
     assert_eq!(both.len(), first.len() + 2);
     assert!(first.iter().all(|push| both.contains(push)));
 }

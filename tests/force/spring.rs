@@ -50,29 +50,33 @@ fn a_hanging_box_follows_its_closed_form() {
             std::array::from_fn(|i| oscillator(w2, b, HANG[i] + sag[i], start[i], speed[i], duration));
         // Integration at relative tolerance 1e-9 over some 300 steps.
         near(&end, truth.map(|s| s[0]).into(), truth.map(|s| s[1]).into(), 1e-7);
-        // What the spring gives is the external work: with the box's own energy it makes the
-        // balance.
+        // The spring's work is external work: together with the box's own energy it closes the
+        // energy balance.
         assert!(end.metrics.max_energy_error_j < 1e-8, "{:?}", end.metrics);
         let stretch = |p: Vector3<f64>| 0.5 * K * (p - Vector3::from(HANG)).norm_squared();
-        let given = stretch(start.into()) - stretch(end.position);
+        let elastic_work = stretch(start.into()) - stretch(end.position);
         if damping == 0.0 {
-            assert!((end.metrics.external_work_j - given).abs() < 1e-7, "{} {given}", end.metrics.external_work_j);
+            assert!(
+                (end.metrics.external_work_j - elastic_work).abs() < 1e-7,
+                "{} {elastic_work}",
+                end.metrics.external_work_j
+            );
         } else {
-            assert!(end.metrics.external_work_j < given - 0.1, "the damper takes something");
+            assert!(end.metrics.external_work_j < elastic_work - 0.1, "the damper takes something");
         }
     }
 }
 
 #[test]
 fn a_moving_anchor_pulls_a_box_along() {
-    // The box starts at rest where the hand takes hold, without gravity: x = u t - u sin(w t) / w
-    // after the start.
+    // The box starts at rest at the hand's grip, without gravity: x = u t - u sin(w t) / w after
+    // the start.
     let body = body();
     let (hand, held, start) = ([0.4, -0.1, 0.2], 1.2, 0.5);
     let w = (K / body.mass).sqrt();
     let text = spring(&format!("start = {start}\nduration = {held}\nanchor = {{ velocity = {hand:?} }}"));
     let place = Vector3::new(1.0, 2.0, 3.0);
-    // It drifts until the hand takes hold of it and is let go after `held`.
+    // The box drifts until the hand grips it, and is released after `held`.
     let drift = Vector3::new(0.0, 0.05, 0.0);
     let end = fly(&body, place.into(), drift.into(), start + held + 0.3, &floating(&text));
     let grip = place + drift * start;
@@ -149,15 +153,15 @@ fn a_spring_with_rest_length_moves_on_a_circle() {
     let end = fly(&body, [r, 0.0, 1.0], [0.0, w * r, 0.0], turn / w, &floating(&text));
     let (sin, cos) = turn.sin_cos();
     near(&end, Vector3::new(r * cos, r * sin, 1.0), Vector3::new(-w * r * sin, w * r * cos, 0.0), 1e-7);
-    // Shorter than its rest length it pushes: after half a period it is as much too long as it was
-    // too short.
+    // A spring shorter than its rest length pushes: after half a period it is too long by the
+    // initial difference.
     let half = std::f64::consts::PI / (K / body.mass).sqrt();
     let end = fly(&body, [0.2, 0.0, 1.0], [0.0; 3], half, &floating(&text));
     near(&end, Vector3::new(0.4, 0.0, 1.0), Vector3::zeros(), 1e-7);
 }
 
 #[test]
-fn a_spring_off_the_centre_conserves_energy_and_turns_the_box() {
+fn an_off_centre_spring_conserves_energy_and_rotates_the_box() {
     let body = body();
     let text = spring("point = [0.1, 0.05, 0.0]\nanchor = { position = [0.1, -0.2, 1.0] }");
     let end = fly(&body, [0.3, 0.0, 1.2], [0.5, 0.0, 0.0], 2.0, &text);
@@ -179,7 +183,7 @@ fn attaching_and_releasing_are_events() {
         messages.iter().map(|e| (e.time, e.subject.as_str())).collect::<Vec<_>>(),
         [(0.25, "block"), (0.75, "block")]
     );
-    // Where free fall has brought it: 2 - g 0.25^2 / 2.
+    // Position reached in free fall: 2 - g 0.25^2 / 2.
     assert_eq!(messages[0].message, "attached to (0.0000, 0.0000, 1.6934)");
     assert_eq!(messages[1].message, "released");
 }

@@ -1,9 +1,9 @@
-//! Entries that do not fit the robot are refused at their places.
+//! Entries that do not fit the robot are refused with their positions.
 
 use crate::analytic::support::root;
 use stiction::{assemble, robot, scenario};
 
-/// What is wrong with a scenario.
+/// The error of a scenario.
 fn wrong(text: &str) -> String {
     let found = scenario::parse(&root().join("test.toml"), text).and_then(|file| {
         let runs = file.expand(&[])?;
@@ -61,8 +61,8 @@ fn invalid_entries_are_errors() {
             "unknown key `dampin`",
         ),
     ];
-    for (text, place, words) in cases {
+    for (text, place, message) in cases {
         let found = wrong(&text);
-        assert!(found.contains(place) && found.contains(words), "expected {place} {words}\n{found}");
+        assert!(found.contains(place) && found.contains(message), "expected {place} {message}\n{found}");
     }
 }

@@ -1,9 +1,9 @@
-//! Settings of balance that change during the task.
+//! Changes to balance settings during the task.
 //!
-//! A slide of mass b moves up and down on a foot of mass a. With the gains of the joints at zero
-//! the task commands the slide `tau = J_c^T F`, `J_c = b / (a + b)` its Jacobian of the centre of
-//! mass, so that its displacement x from the reference obeys, with the efforts held over ticks of
-//! length T as if damping lacked `kp T / 2`,
+//! A slide of mass b moves up and down on a foot of mass a. With zero joint gains the task commands
+//! the slide `tau = J_c^T F`, with `J_c = b / (a + b)` its Jacobian of the centre of mass. The
+//! efforts are constant over ticks of length T, which acts as if damping were reduced by `kp T /
+//! 2`. The displacement x from the reference then obeys
 //!
 //! ```text
 //! x'' = - b / (a + b) (kp x + kd x')
@@ -65,7 +65,7 @@ fn new_gains_change_the_frequency_of_the_closed_loop() {
             change = [{{ at = 0.6, force = {{ com = {{ kp = {kp}, kd = {kd} }}, offset = [0, 0, {step}], approach = 0 }} }}]"
         ),
     );
-    // The centre of mass goes up by `step`, the slide by as much times (a + b) / b.
+    // The centre of mass rises by `step`, the slide by (a + b) / b times as much.
     let way = step * (A + B) / B;
     let part = B / (A + B);
     let damping = 0.5 * part * (kd - 0.5 * kp / RATE);
@@ -80,7 +80,7 @@ fn new_gains_change_the_frequency_of_the_closed_loop() {
         }
         let truth = way * (1.0 - (-damping * t).exp() * ((w * t).cos() + damping / w * (w * t).sin()));
         // Terms of second order in the tick, (w T)^2 / 24 of the frequency over 15 rad: 1e-6 of the
-        // way; integration at 1e-6.
+        // distance; integration at 1e-6.
         assert!((x - truth).abs() < 3e-4 * way, "{t} {x} {truth}");
         turns += usize::from(x > 1.5 * way);
     }
@@ -96,7 +96,7 @@ fn gravity_compensation_changes_its_damping() {
         &format!("type = \"gravity-compensation\"\ndamping = {first}\nchange = [{{ at = 0.2, damping = {then} }}]"),
     );
     for (t, _, v) in recorded {
-        // Over each tick the velocity falls by the part kd T of itself.
+        // Over each tick the velocity decreases by the fraction kd T.
         let ticks = |t: f64, kd: f64| (1.0 - kd / RATE).powf(t * RATE);
         let truth = v0 * ticks(t.min(0.2), first) * ticks((t - 0.2).max(0.0), then);
         // Integration at 1e-6.
@@ -105,7 +105,7 @@ fn gravity_compensation_changes_its_damping() {
 }
 
 #[test]
-fn the_centre_of_mass_ends_at_the_new_offset_and_nothing_jumps_on_the_way() {
+fn the_centre_of_mass_reaches_a_new_offset_without_jumps() {
     let text = |more: &str| {
         let gains = "approach = 0.5, com = { kp = 400, kd = 80 }, joints = { kp = 25, kd = 5 }";
         let task = format!("[[task]]\ntype = \"balance\"\ncontrol = \"force\"\nforce = {{ {gains} }}\n{more}\n");
@@ -113,14 +113,15 @@ fn the_centre_of_mass_ends_at_the_new_offset_and_nothing_jumps_on_the_way() {
         format!("{robot}{task}[log]\nrate = 1000.0\n[integrator]\nmethod = \"semi-implicit\"\n")
     };
     let (_, still) = watch(&text(""));
-    // The second order comes while the robot is on its way to the first.
+    // The second change arrives while the robot moves to the first offset.
     let (m, moved) = watch(&text(
         "change = [{ at = 2.0, force = { offset = [0.02, 0, 0] } },
                    { at = 2.25, force = { offset = [0.005, -0.01, 0.004], approach = 1.0 } }]",
     ));
     let end = |recorded: &crate::analytic::support::Recording| recorded.snapshots.last().expect("the end").com;
-    // What stays is 6e-6 m in height, 0.02 N of a weight of 70 N, with and without the springs of
-    // the joints. With end stops a joint that its spring presses against one would leave 3e-5 m.
+    // The remaining error is 6e-6 m in height, 0.02 N of a weight of 70 N, with and without the
+    // springs of the joints. With end stops, a joint pressed against one by its spring would leave
+    // 3e-5 m.
     assert!(
         (end(&moved) - end(&still) - Vector3::new(0.005, -0.01, 0.004)).norm() < 1e-5,
         "{} {}",
@@ -128,15 +129,15 @@ fn the_centre_of_mass_ends_at_the_new_offset_and_nothing_jumps_on_the_way() {
         end(&still)
     );
     assert_eq!((m.state_changes, m.inconsistent), (0, 0));
-    // From one tick to the next efforts change as on the rest of the way; a reference that jumped
+    // From tick to tick, efforts change as much as on the rest of the way. A reference that jumped
     // by the 10 mm between the two goals would change some by m kp 0.01 times a lever of some 0.2
     // m, 6 N m.
     let jump = |from: f64, to: f64| {
         let within = moved.snapshots.windows(2).filter(|w| w[0].time >= from && w[1].time <= to);
         within.flat_map(|w| w[0].effort.iter().zip(&w[1].effort).map(|(a, b)| (a - b).abs())).fold(0.0, f64::max)
     };
-    let (at_orders, between) = (jump(1.998, 2.002).max(jump(2.248, 2.252)), jump(2.002, 2.248));
-    assert!(at_orders < 1.5 * between && between < 0.2, "{at_orders} {between}");
+    let (at_changes, between) = (jump(1.998, 2.002).max(jump(2.248, 2.252)), jump(2.002, 2.248));
+    assert!(at_changes < 1.5 * between && between < 0.2, "{at_changes} {between}");
 }
 
 #[test]
@@ -146,12 +147,12 @@ fn a_list_of_changes_lowers_the_gains() {
         let task = format!("[[task]]\ntype = \"balance\"\ncontrol = \"force\"\nforce = {{ approach = 0.2 }}\n{change}");
         run(&format!("{HOAP}{task}\n{push}")).final_base_position[0]
     };
-    let (kept, loose) = (
+    let (stiff, loose) = (
         back(""),
         back(
             "change = [{ at = 0.9, force = { com = { kp = 0, kd = 1 }, orientation = { kp = 0, kd = 1 },
                                              joints = { kp = 0, kd = 2 } } }]",
         ),
     );
-    assert!((kept - loose).abs() > 0.02, "{kept} {loose}");
+    assert!((stiff - loose).abs() > 0.02, "{stiff} {loose}");
 }

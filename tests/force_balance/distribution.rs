@@ -1,4 +1,4 @@
-//! The split of a wrench over contacts against closed forms and optimality conditions.
+//! The distribution of a wrench over contacts against closed forms and optimality conditions.
 
 use crate::identities::allocations::count;
 use crate::identities::random_tree::Random;
@@ -36,7 +36,7 @@ fn distance(a: &Wrench, b: &Wrench) -> f64 {
 }
 
 #[test]
-fn the_weight_falls_on_all_corners_alike() {
+fn the_weight_is_shared_equally_by_all_corners() {
     let mut d = flat(&feet(0.6));
     let expected = wrench([0.0, 0.0, WEIGHT], [0.0; 3]);
     let got = d.solve(&expected, MU, &measure(0.1));
@@ -67,21 +67,21 @@ fn a_moment_tilts_the_pressure() {
 #[test]
 fn no_contact_pulls() {
     // Three pairs of points at x = -1, 0, 1; the centre of pressure at 3/4. The least-norm field
-    // would pull at -1 by an eighth of a third; least with f >= 0 are 0, 1/4 and 3/4 of the weight
-    // on the pairs.
+    // would pull at -1 by an eighth of a third. The least norm with f >= 0 is 0, 1/4 and 3/4 of the
+    // weight on the pairs.
     let points: Vec<[f64; 3]> = [-1.0, 0.0, 1.0].iter().flat_map(|x| [[*x, 0.5, 0.0], [*x, -0.5, 0.0]]).collect();
     let mut d = flat(&points);
     let expected = wrench([0.0, 0.0, WEIGHT], [0.0, -0.75 * WEIGHT, 0.0]);
     let got = d.solve(&expected, MU, &measure(1.0));
     assert!(distance(&got, &expected) < 1e-12 * WEIGHT, "{:e}", distance(&got, &expected));
     for (f, share) in d.forces().iter().zip([0.0, 0.0, 0.125, 0.125, 0.375, 0.375]) {
-        // The sums are exact; the split is a stationary point, as exact as its gradient.
+        // The sums are exact; the distribution is a stationary point, as exact as its gradient.
         assert!((f - Vector3::new(0.0, 0.0, share * WEIGHT)).norm() < 1e-10 * WEIGHT, "{f} {share}");
     }
 }
 
 #[test]
-fn a_desired_pressure_outside_the_soles_stays_at_their_edge() {
+fn a_centre_of_pressure_outside_the_soles_is_clamped_to_their_edge() {
     let (height, length) = (0.6, 0.12);
     let mut d = flat(&feet(height));
     // The centre of pressure of this wrench would be 0.6 * 0.4 = 0.24 m behind; the heels are at
@@ -92,16 +92,16 @@ fn a_desired_pressure_outside_the_soles_stays_at_their_edge() {
     for (f, arm) in forces.iter().zip(feet(height)) {
         assert!(arm[0] < 0.0 || f.norm() == 0.0, "a toe carries {f}");
     }
-    // Nearest is where the push is given up rather than the weight or the upright body.
+    // The nearest wrench gives up the push rather than the weight or the upright body.
     assert!((got.force.z / WEIGHT - 1.0).abs() < 0.02, "{got:?}");
     assert!(got.moment.norm() < 0.02 * WEIGHT * height && got.force.x > 0.1 * WEIGHT, "{got:?}");
-    // With nothing else binding it is the point of the ray of heel forces (x, z), moment about y =
-    // x (-height) + 0.1 z, nearest in the norm: two linear equations.
+    // With no other active constraint it is the point on the ray of heel forces (x, z), moment
+    // about y = x (-height) + 0.1 z, nearest in the norm: two linear equations.
     let (g, w) = (VERTICAL * VERTICAL, 1.0 / (length * length));
     let (a, b, c) = (1.0 + w * height * height, -w * height * 0.1, g + w * 0.01);
     let (p, q) = (0.4 * WEIGHT, g * WEIGHT);
     let (x, z) = ((p * c - b * q) / (a * c - b * b), (a * q - b * p) / (a * c - b * b));
-    // Off by the last weight of the method of multipliers, 1e-5.
+    // The error is the last weight of the method of multipliers, 1e-5.
     assert!((got.force.x - x).abs() < 1e-4 * WEIGHT && (got.force.z - z).abs() < 1e-4 * WEIGHT, "{got:?} {x} {z}");
 }
 
@@ -113,7 +113,8 @@ fn forces_stay_in_their_cones_and_add_up_where_feasible() {
         let mut d = Distribution::new(arms.len());
         let mut expected = wrench([0.0; 3], [0.0; 3]);
         for (i, arm) in arms.iter().enumerate() {
-            // The second sole is tilted; forces inside the cones make the wrench, so it can be had.
+            // The second sole is tilted. Forces inside the cones make the wrench, so it is
+            // feasible.
             let normal = Vector3::new(if i < 4 { 0.0 } else { 0.3 }, 0.0, 1.0).normalize();
             let arm = Vector3::from(*arm);
             d.add(arm, normal);
@@ -138,8 +139,8 @@ fn inside(d: &Distribution) {
 
 #[test]
 fn an_infeasible_wrench_gives_the_nearest_one() {
-    // At the nearest wrench no force that the cones allow would come nearer: with rho the wrench
-    // missing, scaled, the projection of G^T rho on each cone is zero, and so is its power with the
+    // At the nearest wrench no force that the cones allow comes nearer. With rho the missing
+    // wrench, scaled, the projection of G^T rho on each cone is zero, and so is its power with the
     // forces.
     let mut r = Random::new(12);
     let length = 0.15;
@@ -167,7 +168,7 @@ fn an_infeasible_wrench_gives_the_nearest_one() {
             let normal = Vector3::new(if i < 4 { 0.0 } else { 0.3 }, 0.0, 1.0).normalize();
             let way = lift * force + moment.cross(&arm) / length;
             let (n, t) = (way.dot(&normal), (way - normal * way.dot(&normal)).norm());
-            // The most power that a unit force in the cone has along the way.
+            // The greatest power of a unit force in the cone along `way`.
             let gain = (n + MU * t) / (1.0 + MU * MU).sqrt();
             // The weight 1e-5 of the method and the number of contacts, times the stiffest
             // direction, VERTICAL^2.
@@ -185,7 +186,7 @@ fn degenerate_contacts_give_the_nearest_wrench() {
     let expected = wrench([0.0, 0.0, WEIGHT], [0.0; 3]);
     let none = Distribution::new(0).solve(&expected, MU, &measure(0.1));
     assert_eq!(none, wrench([0.0; 3], [0.0; 3]));
-    // One point below the centre of mass carries it; a line does.
+    // One point below the centre of mass carries the weight; so does a line.
     for arms in [vec![[0.0, 0.0, -0.5]], vec![[0.1, 0.0, -0.5], [-0.1, 0.0, -0.5]]] {
         let got = flat(&arms).solve(&expected, MU, &measure(0.1));
         assert!(distance(&got, &expected) < 1e-12 * WEIGHT, "{got:?}");
@@ -197,7 +198,7 @@ fn degenerate_contacts_give_the_nearest_wrench() {
 }
 
 #[test]
-fn it_allocates_nothing() {
+fn distribution_allocates_nothing() {
     let arms = feet(0.6);
     let mut d = Distribution::new(arms.len());
     let allocations = count(|| {

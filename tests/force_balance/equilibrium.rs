@@ -1,4 +1,4 @@
-//! The efforts are those of an exact equilibrium with the contact forces counted on.
+//! The commanded efforts are in exact equilibrium with the planned contact forces.
 
 use super::standing::HOAP;
 use crate::analytic::body::G;
@@ -10,7 +10,7 @@ use stiction::dynamics::{State, Workspace, body, kinematics, link_force, rnea};
 use stiction::geometry::Plane;
 use stiction::robot::{DriveMode, Model, SoleId, load};
 use stiction::task::balance::force_balance::{ForceBalance, Gains, Settings};
-use stiction::task::{Augmented, Command, Context, Sensed, Task};
+use stiction::task::{AugmentedData, Command, Context, SensorReadings, Task};
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -G);
 
@@ -33,9 +33,9 @@ fn model(file: &str) -> Model {
 }
 
 /// One tick at `state`: the commanded efforts and the task.
-fn tick(model: &Model, task: &mut ForceBalance, begin: &State, state: &State) -> (Command, Augmented) {
-    let sensed = Sensed::blank(model);
-    let mut data = Augmented::new(model);
+fn tick(model: &Model, task: &mut ForceBalance, begin: &State, state: &State) -> (Command, AugmentedData) {
+    let sensed = SensorReadings::blank(model);
+    let mut data = AugmentedData::new(model);
     let mut command = Command::hold(model, &begin.joints);
     data.update(model, begin, &sensed, &GRAVITY, &Plane::LEVEL, task.needs());
     let context = Context {
@@ -67,25 +67,25 @@ fn tick(model: &Model, task: &mut ForceBalance, begin: &State, state: &State) ->
     (command, data)
 }
 
-/// `h - J^T f - S^T tau` at rest, which an equilibrium makes zero: inverse dynamics without
+/// `h - J^T f - S^T tau` at rest, which is zero in equilibrium: inverse dynamics without
 /// acceleration.
 fn unbalanced(model: &Model, state: &State, task: &ForceBalance, command: &Command) -> Vec<f64> {
     let mut ws = Workspace::new(model);
     kinematics::update(model, state, &mut ws);
-    rnea::bias(model, &mut ws, &GRAVITY);
+    rnea::bias(&mut ws, &GRAVITY);
     let mut rest = ws.bias.clone();
     for (hold, f) in task.stance().footholds.iter().zip(task.forces()) {
         link_force::accumulate(&ws, model.soles[hold.sole.0].link, &hold.point, &-f, &Vector3::zeros(), &mut rest);
     }
     for (j, joint) in model.joints.iter().enumerate() {
         let rest = &mut rest[model.nb() + j];
-        // What a kinematic joint takes is no one's command.
+        // The effort of a kinematic joint is not commanded.
         *rest = if joint.drive.mode == DriveMode::Kinematic { 0.0 } else { *rest - command.effort[j] };
     }
     rest
 }
 
-/// Home, leaning a little: the weight's line of action stays inside the soles.
+/// Home, leaning slightly: the weight's line of action stays inside the soles.
 fn leaning(model: &Model, r: &mut Random) -> State {
     let mut state = State::home(model);
     state.rotation = UnitQuaternion::from_scaled_axis(r.vector(0.02));
@@ -120,7 +120,7 @@ fn a_desired_wrench_acts_at_the_centre_of_mass_and_on_the_base() {
     for _ in 0..20 {
         let begin = leaning(&model, &mut r);
         let mut state = begin.clone();
-        // Small enough for the friction cones, so that all is granted.
+        // Small enough for the friction cones, so the full wrench is feasible.
         let way: Vec<f64> = r.list(model.nv(), 5e-4);
         state.displace(&way);
         let gains = Gains { kp: 100.0, kd: 20.0 };
@@ -141,15 +141,15 @@ fn a_desired_wrench_acts_at_the_centre_of_mass_and_on_the_base() {
                 assert!(left.abs() < 1e-10 * weight, "{k}: {left:e}");
             }
         }
-        // N = I kp turn: the whole's inertia about its centre of mass, column by column from the
-        // kinetic energy of turning.
+        // N = I kp turn, with the robot's inertia about its centre of mass, column by column from
+        // the kinetic energy of rotation.
         let turn = (begin.rotation * state.rotation.inverse()).scaled_axis();
         let expected = inertia(&model, &state) * turn * gains.kp;
         assert!((moment - expected).norm() < 1e-10 * weight, "{moment} {expected}");
     }
 }
 
-/// Of the whole about its centre of mass, from the energies of turning about it as one body.
+/// Inertia of the whole robot about its centre of mass, from the energies of rotation as one body.
 fn inertia(model: &Model, state: &State) -> nalgebra::Matrix3<f64> {
     let mut ws = Workspace::new(model);
     kinematics::update(model, state, &mut ws);

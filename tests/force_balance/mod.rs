@@ -1,5 +1,5 @@
-//! Balance by forces: the split over contacts, the equilibrium it makes, and robots that stand on
-//! it.
+//! Balance by forces: distribution over contacts, the resulting equilibrium, and robots that stand
+//! on it.
 
 mod broken;
 mod change;

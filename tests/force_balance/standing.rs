@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 
 /// HOAP-2 on its soles.
 pub const HOAP: &str = "duration = 3.0\nrobot = { model = \"robots/hoap2/hoap2.toml\" }\n";
-/// Its root at home, m.
+/// Position of its root at home, m.
 const HEIGHT: f64 = 0.28343852;
 
 const BALANCE: &str = "[[task]]\ntype = \"balance\"\ncontrol = \"force\"\n";
@@ -48,18 +48,18 @@ fn the_centre_of_mass_moves_above_the_middle_of_the_soles() {
     assert!((end.com - middle).xy().norm() < 1e-6, "{} {middle}", end.com);
     let pressure = end.centre_of_pressure.expect("it stands");
     assert!((pressure - middle).norm() < 1e-5, "{pressure} {middle}");
-    // Ticks change the efforts a thousand times a second and no contact ever changes.
+    // Ticks change the efforts a thousand times a second; no contact changes.
     assert_eq!((m.state_changes, m.events, m.inconsistent), (0, 0, 0));
     assert!(m.max_static_creep_m < 1e-12, "{:e}", m.max_static_creep_m);
 }
 
 #[test]
 fn a_pushed_robot_recovers_only_with_balance() {
-    // Well below what scenarios/studies/push-recovery.toml finds to be the limit.
+    // Well below the limit found by scenarios/studies/push-recovery.toml.
     let back = |text: &str| run(&format!("{HOAP}{text}{}", push(1.0))).final_base_position;
     let quiet = run(&format!("{HOAP}{BALANCE}")).final_base_position;
-    let kept = back(BALANCE);
-    assert!((0..3).all(|i| (kept[i] - quiet[i]).abs() < 1e-3), "{kept:?} {quiet:?}");
+    let balanced = back(BALANCE);
+    assert!((0..3).all(|i| (balanced[i] - quiet[i]).abs() < 1e-3), "{balanced:?} {quiet:?}");
     let lost = back(COMPENSATION);
     assert!((lost[0] - quiet[0]).abs() > 0.02, "{lost:?}");
 }
@@ -68,7 +68,7 @@ fn a_pushed_robot_recovers_only_with_balance() {
 fn a_robot_stands_with_fixed_steps_too() {
     let m = run(&format!("{HOAP}{BALANCE}[integrator]\nmethod = \"semi-implicit\"\n"));
     let quiet = run(&format!("{HOAP}{BALANCE}")).final_base_position;
-    // A step of 1 ms leaves the path to the reference by its first order; both end there.
+    // A step of 1 ms departs from the path to the reference at first order; both end there.
     assert!((0..3).all(|i| (m.final_base_position[i] - quiet[i]).abs() < 1e-5), "{m:?} {quiet:?}");
     assert_eq!((m.state_changes, m.inconsistent), (0, 0));
 }
@@ -80,8 +80,8 @@ fn joints_follow_other_tasks_during_balance() {
     let end = recorded.snapshots.last().expect("the last state is always reported");
     let model = crate::analytic::support::simulation(HOAP).plant().model.clone();
     let position = |name: &str| end.q[model.joint(name).expect("it has one").0];
-    // The centre of mass is not where it was at home, so not all joints can reach their commands:
-    // the legs give way by its 4 mm over their 0.2 m, 0.02 rad, and the others by less.
+    // The centre of mass is not where it was at home, so not all joints can reach their commands.
+    // The legs deviate by its 4 mm over their 0.2 m, 0.02 rad, and the others by less.
     assert!((position("left_elbow") + 1.0).abs() < 0.02, "{}", position("left_elbow"));
     assert!((position("head_pan") - 0.5).abs() < 0.02, "{}", position("head_pan"));
 }
@@ -91,11 +91,11 @@ fn balance_ends_on_time_and_restores_the_drives() {
     let (m, recorded) = watch(&format!("{HOAP}{BALANCE}duration = 0.5\n"));
     let end = recorded.events.iter().find(|e| e.message == "task balance ends").expect("it ends");
     assert!((end.time - 0.5).abs() < 1e-12, "{}", end.time);
-    // The position servos hold the robot where it was, but for their sag.
+    // The position servos hold the robot at its position, apart from their sag.
     assert!((m.final_base_position[2] - HEIGHT).abs() < 1e-3, "{m:?}");
 }
 
-/// Half the rate that the default gains were made for, and a fifth of it.
+/// Half the rate that the default gains are tuned for, and a fifth of it.
 #[test]
 fn balance_stands_at_lower_control_rates() {
     for rate in [500, 200] {
@@ -104,7 +104,7 @@ fn balance_stands_at_lower_control_rates() {
              method = \"semi-implicit\"\nstep = 1e-3\n{BALANCE}"
         ));
         let speed = m.final_base_velocity.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        // Its pelvis stands at 0.80 m and is at rest.
+        // Its pelvis is at 0.80 m and at rest.
         assert!((m.final_base_position[2] - 0.802).abs() < 5e-3 && speed < 1e-3, "{rate}: {m:?}");
     }
 }

@@ -1,5 +1,5 @@
-//! Nothing allocates once the workspace exists. The test program's allocator counts per thread, so that tests running
-//! beside this one do not disturb it.
+//! Nothing allocates once the workspace exists. The test program's allocator counts per thread, so
+//! that concurrent tests do not affect the count.
 
 use super::numeric::GRAVITY;
 use super::random_tree::{Random, state, tree};
@@ -18,8 +18,8 @@ thread_local! {
 
 struct Counting;
 
-// SAFETY: every call is handed to the system allocator unchanged; the counter is a plain thread-local integer that
-// itself never allocates.
+// SAFETY: every call is forwarded to the system allocator unchanged; the counter is a plain
+// thread-local integer that never allocates.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         COUNT.set(COUNT.get() + 1);
@@ -42,14 +42,14 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Allocations and reallocations that `f` makes on this thread.
+/// Number of allocations and reallocations that `f` makes on this thread.
 pub fn count(f: impl FnOnce()) -> usize {
     let before = COUNT.get();
     f();
     COUNT.get() - before
 }
 
-/// Bytes that this thread holds more after `f` than before.
+/// Net change of the bytes allocated by this thread while `f` runs.
 pub fn balance(f: impl FnOnce()) -> isize {
     let before = HELD.get();
     f();
@@ -57,7 +57,7 @@ pub fn balance(f: impl FnOnce()) -> isize {
 }
 
 #[test]
-fn the_counter_counts() {
+fn the_counter_counts_allocations() {
     let mut list: Vec<u8> = Vec::new();
     assert_eq!(count(|| list = std::hint::black_box(Vec::with_capacity(10))), 1);
     assert_eq!(count(|| list.reserve(1000)), 1);
@@ -91,7 +91,7 @@ fn dynamics_allocates_nothing_after_the_workspace() {
             ws.mass.multiply(&tau, &mut x);
             reduced::assemble(&model, &ws, &Matrix3::identity(), &tau, &mut problem);
             reduced::apply(&model, &ws, &mut problem, &wrench, &mut vdot);
-            kinematics::accelerations(&model, &mut ws, &vdot);
+            kinematics::accelerations(&mut ws, &vdot);
             link_force::accumulate(&ws, link, &point, &point, &point, &mut x);
             jacobian::frame(&ws, link, &point, &mut frame);
             jacobian::center_of_mass(&ws, &mut com);

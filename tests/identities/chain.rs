@@ -1,4 +1,4 @@
-//! A frame seen along its chain against the kinematics of the whole tree.
+//! A frame computed along its chain against the kinematics of the whole tree.
 
 use super::numeric::assert_near;
 use super::random_tree::samples;
@@ -13,7 +13,7 @@ fn numbers(m: &FrameMotion) -> Vec<f64> {
 }
 
 #[test]
-fn a_frame_moves_as_the_whole_tree_says_and_carries_its_root_back() {
+fn a_frame_along_its_chain_agrees_with_the_whole_tree_and_gives_back_the_root() {
     for (model, state, mut r) in samples() {
         let mut ws = Workspace::new(&model);
         kinematics::update(&model, &state, &mut ws);

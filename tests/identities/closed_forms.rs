@@ -1,4 +1,4 @@
-//! Robots whose equations of motion fit on a page.
+//! Robots with closed-form equations of motion.
 
 use super::numeric::assert_near;
 use super::random_tree::{Random, joint, link};
@@ -47,7 +47,8 @@ fn double_pendulum() {
     let g = 9.81;
     let mut model = fixed("double pendulum");
     model.home = vec![0.0; 2];
-    // Internal frame: z along world -y, x down. Only the inertia about z can matter, so the others are odd on purpose.
+    // Internal frame: z along world -y, x down. Only the inertia about z matters, so the others
+    // have arbitrary values.
     let inertia = |about_z: f64| Matrix3::from_diagonal(&Vector3::new(0.4, 0.7, about_z));
     let mut first = link("first", Some(0), (m1, Vector3::new(c1, 0.0, 0.05), inertia(i1)));
     first.rotation = Matrix3::from_columns(&[-Vector3::z(), Vector3::x(), -Vector3::y()]);
@@ -111,7 +112,7 @@ fn crossed_slides() {
 
 /// Armature adds to the inertia of its joint: q'' = tau / (I + m c^2 + J).
 #[test]
-fn armature_slows_a_lone_wheel() {
+fn armature_adds_to_the_inertia_of_a_wheel() {
     let mut model = fixed("wheel");
     model.home = vec![0.0];
     model.links.push(link("wheel", Some(0), (2.0, Vector3::new(0.1, 0.0, 0.0), Matrix3::identity() * 0.3)));
@@ -126,8 +127,9 @@ fn armature_slows_a_lone_wheel() {
     assert_near("T", &[body::kinetic_energy(&model, &ws)], &[0.5 * 0.57 * 49.0], 1e-14);
 }
 
-/// Torque-free body whose frame is away from its centre of mass: Euler's equations I w' = -w x I w in body axes, the
-/// centre of mass falls with gravity, and the origin's acceleration follows by rigid-body kinematics.
+/// Torque-free body whose frame is away from its centre of mass. Euler's equations I w' = -w x I w
+/// hold in body axes, and the centre of mass falls with gravity. The origin's acceleration follows
+/// by rigid-body kinematics.
 #[test]
 fn free_body_follows_euler() {
     let mut r = Random::new(8);
@@ -156,9 +158,10 @@ fn free_body_follows_euler() {
     }
 }
 
-/// A torque-free body spun about its middle axis flips over (Dzhanibekov); energy and momentum stay. Midpoint rule.
+/// A torque-free body spun about its middle axis flips over (Dzhanibekov); energy and momentum are
+/// conserved. Midpoint rule.
 #[test]
-fn a_tumbling_body_keeps_energy_and_momentum() {
+fn a_tumbling_body_conserves_energy_and_momentum() {
     let inertia = Matrix3::from_diagonal(&Vector3::new(0.2, 0.5, 0.6));
     let body = link("body", None, (1.7, Vector3::new(0.1, -0.2, 0.3), inertia));
     let model = Model { base: Base::Floating, links: vec![body], ..fixed("top") };
@@ -168,9 +171,9 @@ fn a_tumbling_body_keeps_energy_and_momentum() {
     let mut rate = |s: &State| {
         let mut a = vec![0.0; 6];
         dynamics::kinematics::update(&model, s, &mut ws);
-        let kept = (body::kinetic_energy(&model, &ws), body::momentum(&ws));
+        let conserved = (body::kinetic_energy(&model, &ws), body::momentum(&ws));
         aba::forward_dynamics(&model, &mut ws, &[0.0; 6], &Vector3::zeros(), &mut a).unwrap();
-        (a, kept)
+        (a, conserved)
     };
     let before = rate(&state).1;
     let dt = 1e-3;

@@ -1,4 +1,4 @@
-//! Energy and momentum: what forces may change and what nothing may.
+//! Energy and momentum: changes by forces, and conservation.
 
 use super::numeric::{along, assert_near, prepared};
 use super::random_tree::{Random, samples};
@@ -64,8 +64,8 @@ fn potential_energy_falls_by_the_power_of_gravity() {
     }
 }
 
-/// Joint efforts are internal: they change no momentum. A base force changes it by itself. (Only without armature, a
-/// reflected inertia that has no place in the momentum.)
+/// Joint efforts are internal: only the base force changes the momentum. (Only without armature, a
+/// reflected inertia that does not enter the momentum.)
 #[test]
 fn momentum_of_a_floating_tree_changes_by_the_base_force_alone() {
     for (mut model, state, mut r) in samples().filter(|s| s.0.nb() == 6) {
@@ -95,13 +95,13 @@ fn momentum_by_links_equals_momentum_by_the_mass_matrix() {
         assert_near("l", m.linear.as_slice(), &p[..3], 1e-13);
         let about_base = m.angular + (body::center_of_mass(&ws) - state.position).cross(&m.linear);
         assert_near("k about the base", about_base.as_slice(), &p[3..6], 1e-13);
-        assert_near("m", &[body::whole(&ws).mass], &[model.mass()], 1e-15);
+        assert_near("m", &[body::total_inertia(&ws).mass], &[model.mass()], 1e-15);
     }
 }
 
-/// Nothing depends on where the world's origin is or which way it looks.
+/// Nothing depends on the origin or the orientation of the world frame.
 #[test]
-fn turning_the_world_turns_the_motion() {
+fn rotating_the_world_rotates_the_motion() {
     for (model, state, mut r) in samples().filter(|s| s.0.nb() == 6) {
         let g = Vector3::new(0.0, 0.0, -9.81);
         let tau = efforts(&model, &mut r);

@@ -13,7 +13,7 @@ fn assembled(model: &Model, state: &State, floor: &Matrix3<f64>, tau: &[f64]) ->
     (ws, out)
 }
 
-/// J, 6F x nv in floor axes, out of the frame Jacobians.
+/// J, 6F x nv in floor axes, assembled from the frame Jacobians.
 fn dense_jacobian(model: &Model, ws: &Workspace, out: &Reduced, floor: &Matrix3<f64>) -> DMatrix<f64> {
     let mut j = DMatrix::zeros(6 * out.n, model.nv());
     let mut frame = vec![0.0; 6 * model.nv()];
@@ -38,7 +38,7 @@ fn cases() -> impl Iterator<Item = (Model, State, Matrix3<f64>, Vec<f64>, Random
 }
 
 #[test]
-fn w_and_the_free_acceleration_are_their_dense_definitions() {
+fn w_and_the_free_acceleration_equal_their_dense_definitions() {
     for (model, state, floor, tau, _) in cases() {
         let (ws, out) = assembled(&model, &state, &floor, &tau);
         let j = dense_jacobian(&model, &ws, &out, &floor);
@@ -60,7 +60,8 @@ fn w_and_the_free_acceleration_are_their_dense_definitions() {
 fn a0_is_the_rate_of_the_sole_velocity_under_the_free_acceleration() {
     for (model, state, floor, tau, _) in cases() {
         let (_, out) = assembled(&model, &state, &floor, &tau);
-        // Walk along q(t), v(t) with v(t) = v + t vdot; q follows from the mean velocity, exact to second order.
+        // Follow q(t), v(t) with v(t) = v + t vdot; q follows from the mean velocity, exact to
+        // second order.
         let at = |t: f64| {
             let mut s = state.clone();
             let mean: Vec<f64> = state.v.iter().zip(&out.free).map(|(v, a)| t * (v + 0.5 * t * a)).collect();
@@ -99,7 +100,7 @@ fn reference_points_move_with_the_velocity_and_vertices_keep_their_arms() {
 }
 
 #[test]
-fn applying_wrenches_gives_the_accelerations_w_promises() {
+fn applying_wrenches_gives_the_accelerations_predicted_by_w() {
     for (model, state, floor, tau, mut r) in cases() {
         let (ws, mut out) = assembled(&model, &state, &floor, &tau);
         let w = r.list(6 * out.n, 10.0);
@@ -115,7 +116,7 @@ fn applying_wrenches_gives_the_accelerations_w_promises() {
 
         // The classical acceleration of each reference point, by kinematics alone.
         let mut ws = ws;
-        kinematics::accelerations(&model, &mut ws, &vdot);
+        kinematics::accelerations(&mut ws, &vdot);
         let size = 6 * out.n;
         let promised = DVector::from_column_slice(&out.a0)
             + DMatrix::from_column_slice(size, size, &out.w) * DVector::from_column_slice(&w);

@@ -1,4 +1,5 @@
-//! What tasks are given, by identities: forces add up to the wrench sensed, Jacobians are derivatives, nothing allocates.
+//! Data passed to tasks, by identities: forces add up to the sensed wrench, Jacobians are
+//! derivatives, nothing allocates.
 
 use super::allocations::count;
 use super::numeric::GRAVITY;
@@ -6,7 +7,7 @@ use super::random_tree::{Random, state, tree};
 use nalgebra::{Rotation3, Vector3};
 use stiction::geometry::Plane;
 use stiction::robot::{Base, LinkId, Model, Sole};
-use stiction::task::{Augmented, Needs, Sensed};
+use stiction::task::{AugmentedData, Needs, SensorReadings};
 
 /// A random tree on soles with 1 to 6 vertices.
 fn robot(seed: u64) -> Model {
@@ -25,26 +26,26 @@ fn robot(seed: u64) -> Model {
     model
 }
 
-/// The floor as it lies below that link: its vertices are in the plane.
-fn floor(model: &Model, data: &mut Augmented, at: &stiction::dynamics::State) -> Plane {
-    data.update(model, at, &Sensed::blank(model), &GRAVITY, &Plane::LEVEL, Needs::SOLES);
+/// The floor at the current pose of that link: its vertices are in the plane.
+fn floor(model: &Model, data: &mut AugmentedData, at: &stiction::dynamics::State) -> Plane {
+    data.update(model, at, &SensorReadings::blank(model), &GRAVITY, &Plane::LEVEL, Needs::SOLES);
     let link = LinkId(model.links.len() - 1);
     Plane { rotation: data.workspace.links[link.0].rotation, point: data.workspace.point(link, &Vector3::zeros()) }
 }
 
 #[test]
-fn a_sensed_wrench_is_carried_by_vertices_that_only_push() {
+fn a_sensed_wrench_is_distributed_to_vertices_that_only_push() {
     let mut r = Random::new(21);
     let model = robot(3);
-    let mut data = Augmented::new(&model);
+    let mut data = AugmentedData::new(&model);
     let at = state(&model, &mut r);
     let floor = floor(&model, &mut data, &at);
     for _ in 0..50 {
-        let mut sensed = Sensed::blank(&model);
+        let mut sensed = SensorReadings::blank(&model);
         let mut given = Vec::new();
         for (load, sole) in sensed.soles.iter_mut().zip(&model.soles) {
-            // Random pushes on the vertices; the sensor knows their resultant. A point bears no moment, two no moment about
-            // the line through them.
+            // Random pushes on the vertices; the sensor measures their resultant. A point transmits
+            // no moment, two points no moment about the line through them.
             let mean = sole.vertices.iter().sum::<Vector3<f64>>() / sole.vertices.len() as f64;
             for v in &sole.vertices {
                 let f = r.list(3, 1.0);
@@ -71,7 +72,7 @@ fn a_sensed_wrench_is_carried_by_vertices_that_only_push() {
         }
         // All vertices lie in the plane, so the zero-moment point is the mean of their normal forces.
         assert!((data.zmp.unwrap() - total.1 / total.0).norm() < 1e-12);
-        // Two hundredths of the weight tell a sole that stands from noise.
+        // A sole that carries more than two hundredths of the weight counts as loaded.
         let light = 0.02 * model.mass() * GRAVITY.norm();
         let stands = |s: &&stiction::task::augmented::SoleData| {
             s.vertex_forces.iter().map(|f| floor.to_plane(f).z).sum::<f64>() > light
@@ -85,13 +86,13 @@ fn a_sensed_wrench_is_carried_by_vertices_that_only_push() {
 #[test]
 fn a_centre_of_pressure_off_the_sole_is_moved_to_its_outline() {
     let model = robot(3);
-    let mut data = Augmented::new(&model);
+    let mut data = AugmentedData::new(&model);
     let at = state(&model, &mut Random::new(22));
     let floor = floor(&model, &mut data, &at);
     for (s, arm) in
         [(3, Vector3::new(0.3, 0.0, 0.0)), (5, Vector3::new(0.1, 0.4, 0.0)), (1, Vector3::new(0.5, 0.1, 0.0))]
     {
-        let mut sensed = Sensed::blank(&model);
+        let mut sensed = SensorReadings::blank(&model);
         let force = floor.rotation * Vector3::new(0.0, 0.0, 10.0);
         sensed.soles[s].force = force;
         sensed.soles[s].moment = (floor.rotation * arm).cross(&force);
@@ -100,14 +101,14 @@ fn a_centre_of_pressure_off_the_sole_is_moved_to_its_outline() {
         let normal: Vec<f64> = sole.vertex_forces.iter().map(|f| floor.to_plane(f).z).collect();
         assert!((normal.iter().sum::<f64>() - 10.0).abs() < 1e-12 && normal.iter().all(|n| *n >= 0.0), "{normal:?}");
         let cop: Vector3<f64> = sole.vertices.iter().zip(&normal).map(|(p, n)| p * (n / 10.0)).sum();
-        let wanted = sole.position + floor.rotation * arm;
-        // Nothing on the sole is nearer: tried at many points of its outline.
+        let unclamped = sole.position + floor.rotation * arm;
+        // No point of the sole is nearer: tried at many points of its outline.
         let k = sole.vertices.len();
         let outline = (0..k).flat_map(|i| (0..=100).map(move |j| (i, f64::from(j) / 100.0)));
         let nearest = outline
-            .map(|(i, t)| (sole.vertices[i] * (1.0 - t) + sole.vertices[(i + 1) % k] * t - wanted).norm())
+            .map(|(i, t)| (sole.vertices[i] * (1.0 - t) + sole.vertices[(i + 1) % k] * t - unclamped).norm())
             .fold(f64::INFINITY, f64::min);
-        assert!((cop - wanted).norm() <= nearest + 1e-12, "{s}");
+        assert!((cop - unclamped).norm() <= nearest + 1e-12, "{s}");
         assert!(data.contacts.iter().all(|c| c.sole == s) && (1..=2).contains(&data.contacts.len()));
     }
 }
@@ -118,8 +119,8 @@ fn the_base_jacobian_is_the_derivative_of_the_mass_centre_in_base_axes() {
     for base in [Base::Floating, Base::Fixed] {
         let model = tree(5, 20, base);
         let mut at = state(&model, &mut r);
-        let mut data = Augmented::new(&model);
-        let sensed = Sensed::blank(&model);
+        let mut data = AugmentedData::new(&model);
+        let sensed = SensorReadings::blank(&model);
         let mut seen = |at: &stiction::dynamics::State| {
             data.update(&model, at, &sensed, &GRAVITY, &Plane::LEVEL, Needs::COM | Needs::COM_JACOBIAN_BASE);
             (at.rotation.inverse() * (data.com - at.position), data.com_jacobian_base.clone())
@@ -141,11 +142,11 @@ fn the_base_jacobian_is_the_derivative_of_the_mass_centre_in_base_axes() {
 }
 
 #[test]
-fn nothing_allocates_and_what_is_not_asked_for_is_left_alone() {
+fn nothing_allocates_and_data_not_requested_are_unchanged() {
     let mut r = Random::new(24);
     let model = robot(7);
     let (a, b) = (state(&model, &mut r), state(&model, &mut r));
-    let mut sensed = Sensed::blank(&model);
+    let mut sensed = SensorReadings::blank(&model);
     for (s, load) in sensed.soles.iter_mut().enumerate() {
         load.force = Vector3::new(1.0, 2.0, 30.0);
         load.moment = Vector3::new(0.1, -0.2, 0.3);
@@ -154,12 +155,15 @@ fn nothing_allocates_and_what_is_not_asked_for_is_left_alone() {
             load.clamped.fill(true);
         }
     }
-    let mut data = Augmented::new(&model);
+    let mut data = AugmentedData::new(&model);
     let floor = Plane { rotation: Rotation3::from_euler_angles(0.1, 0.2, 0.3).into_inner(), point: Vector3::zeros() };
     assert_eq!(count(|| data.update(&model, &a, &sensed, &GRAVITY, &floor, Needs::ALL)), 0);
     assert!(data.stable_point.is_some() && data.stable_radius > 0.0 && data.support_polygon.len() > 2);
-    let kept = data.clone();
+    let before = data.clone();
     assert_eq!(count(|| data.update(&model, &b, &sensed, &GRAVITY, &floor, Needs::COM)), 0);
-    assert_ne!(data.com, kept.com);
-    assert_eq!((data.com_jacobian, data.zmp, data.gravity_effort), (kept.com_jacobian, kept.zmp, kept.gravity_effort));
+    assert_ne!(data.com, before.com);
+    assert_eq!(
+        (data.com_jacobian, data.zmp, data.gravity_effort),
+        (before.com_jacobian, before.zmp, before.gravity_effort)
+    );
 }

@@ -42,7 +42,7 @@ fn inverse_dynamics_is_mass_times_acceleration_plus_bias() {
 }
 
 #[test]
-fn forward_dynamics_undoes_inverse_dynamics() {
+fn forward_dynamics_inverts_inverse_dynamics() {
     for (model, state, mut r) in samples() {
         let mut ws = prepared(&model, &state);
         let vdot = r.list(model.nv(), 5.0);
@@ -65,7 +65,7 @@ fn forward_dynamics_undoes_inverse_dynamics() {
 }
 
 #[test]
-fn factor_multiplies_back_to_the_mass_matrix() {
+fn the_product_of_the_factor_is_the_mass_matrix() {
     for (model, state, mut r) in samples() {
         let mut ws = prepared(&model, &state);
         let shift: Vec<f64> = r.list(model.nv(), 0.5).iter().map(|x| x.abs()).collect();
@@ -110,19 +110,20 @@ fn mass_matrix_is_symmetric_positive_definite_and_sparse_between_branches() {
     }
 }
 
-/// d/dt M along the motion is 2 C plus a skew part, and C v = h at zero gravity: so v^T (Mdot v - 2 h) = 0; the stronger
-/// statement, for every w: w^T Mdot w = 2 w^T C w with C the Christoffel matrix, needs C itself, which comes from
-/// differentiating h in v: dh/dv = C + C' with h quadratic in v, and Mdot = C + C^T.
+/// d/dt M along the motion is 2 C plus a skew part, and C v = h at zero gravity, so v^T (Mdot v - 2
+/// h) = 0. The stronger statement is w^T Mdot w = 2 w^T C w for every w, with C the Christoffel
+/// matrix. C comes from differentiating h in v: dh/dv = C + C' with h quadratic in v, and Mdot = C
+/// + C^T.
 #[test]
 fn mass_matrix_rate_minus_twice_coriolis_is_skew() {
     for (model, state, _) in samples() {
         let nv = model.nv();
         let nb = model.nb();
         if nb != 0 {
-            // Floating velocities are quasi-coordinates: Christoffel symbols do not apply, the power balance test covers
-            // them; here the weaker v^T (Mdot - 2 C) v = 0.
+            // Floating velocities are quasi-coordinates, so Christoffel symbols do not apply; the
+            // test of the power balance covers them. Here the weaker v^T (Mdot - 2 C) v = 0.
             let mut ws = prepared(&model, &state);
-            rnea::bias(&model, &mut ws, &Vector3::zeros());
+            rnea::bias(&mut ws, &Vector3::zeros());
             let h: f64 = ws.bias.iter().zip(&state.v).map(|(h, v)| h * v).sum();
             let rate = along(&state, &state.v, 1e-5, |s| {
                 let ws = prepared(&model, s);
@@ -153,7 +154,7 @@ fn mass_matrix_rate_minus_twice_coriolis_is_skew() {
             }
         }
         let mut ws = prepared(&model, &state);
-        rnea::bias(&model, &mut ws, &Vector3::zeros());
+        rnea::bias(&mut ws, &Vector3::zeros());
         let cv: DVector<f64> = &c * DVector::from_column_slice(&state.v);
         assert_near("C v = h", &ws.bias, cv.as_slice(), 1e-7);
         let rate = DMatrix::from_vec(nv, nv, along(&state, &state.v, 1e-5, mass_at));
@@ -164,7 +165,7 @@ fn mass_matrix_rate_minus_twice_coriolis_is_skew() {
 }
 
 #[test]
-fn a_joint_that_moves_nothing_is_refused_by_name() {
+fn a_joint_that_moves_no_mass_is_refused_by_name() {
     let (mut model, state, _) = samples().nth(4).unwrap();
     let last = model.links.len() - 1;
     model.links[last].mass = 0.0;
@@ -189,15 +190,16 @@ fn a_joint_that_moves_nothing_is_refused_by_name() {
     crba::mass_matrix(&model, &mut ws);
     factor::factorize(&mut ws).unwrap();
     aba::forward_dynamics(&model, &mut ws, &tau, &GRAVITY, &mut vdot).unwrap();
-    rnea::bias(&model, &mut ws, &GRAVITY);
+    rnea::bias(&mut ws, &GRAVITY);
     let mut truth: Vec<f64> = ws.bias.iter().map(|h| -h).collect();
     factor::solve(&ws, &mut truth);
     assert!(error(&vdot, &truth) < ROUNDING);
 }
 
-/// Two joints on one axis with nothing between them: M is singular but for rounding, which must not pass for inertia.
+/// Two joints on one axis with nothing between them: M is singular up to rounding, which must not
+/// count as inertia.
 #[test]
-fn joints_that_repeat_each_other_are_refused() {
+fn redundant_joints_are_refused() {
     let mut r = super::random_tree::Random::new(77);
     for seed in 0..20 {
         let mut model = super::random_tree::tree(seed, 4, stiction::robot::Base::Floating);

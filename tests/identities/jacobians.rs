@@ -74,7 +74,7 @@ fn point_acceleration_is_the_rate_of_point_velocity() {
         let (link, local) = pick(&model, &mut r);
         let vdot = r.list(model.nv(), 5.0);
         let mut ws = at(&model, &state);
-        kinematics::accelerations(&model, &mut ws, &vdot);
+        kinematics::accelerations(&mut ws, &vdot);
         let a = jacobian::point_acceleration(&ws, link, &ws.point(link, &local));
         let got = [a.linear.as_slice(), a.angular.as_slice()].concat();
         let twist_at = |t: f64| {

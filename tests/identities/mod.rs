@@ -1,4 +1,4 @@
-//! Truths that hold for every robot and state, checked on seeded random trees.
+//! Identities that hold for every robot and state, checked on seeded random trees.
 
 pub mod allocations;
 mod chain;

@@ -1,4 +1,4 @@
-//! Comparing and differentiating.
+//! Comparison and numerical differentiation.
 
 use nalgebra::{DMatrix, Vector3};
 use stiction::dynamics::{self, State, TreeMatrix, Workspace};

@@ -1,4 +1,5 @@
-//! Seeded random trees, states and vectors. The generator is SplitMix64, so a seed means the same tree everywhere.
+//! Seeded random trees, states and vectors. The generator is SplitMix64, so a seed gives the same
+//! tree on every machine.
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use stiction::dynamics::State;
@@ -41,7 +42,7 @@ impl Random {
         (0..n).map(|_| self.within(-size, size)).collect()
     }
 
-    /// Inertia of six random point masses: physical for sure.
+    /// Inertia of six random point masses, which is always physical.
     fn body(&mut self) -> (f64, Vector3<f64>, Matrix3<f64>) {
         let points: Vec<(f64, Vector3<f64>)> = (0..6).map(|_| (self.within(0.05, 0.5), self.vector(0.2))).collect();
         let mass: f64 = points.iter().map(|p| p.0).sum();
@@ -108,7 +109,7 @@ pub fn tree(seed: u64, joints: usize, base: Base) -> Model {
         home: vec![0.0; joints],
     };
     for i in 0..joints {
-        // Mostly continue the newest chain, sometimes branch.
+        // Usually extend the newest chain, sometimes branch.
         let parent = if r.below(3) == 0 { r.below(i + 1) } else { i };
         let kind = [JointKind::Revolute, JointKind::Continuous, JointKind::Prismatic][r.below(3)];
         let mut j = joint(&format!("joint {i}"), kind);

@@ -1,4 +1,4 @@
-//! The point of optimal stability: closed forms, and every triple of edges tried.
+//! The point of optimal stability: closed forms, and an exhaustive search over triples of edges.
 
 use super::random_tree::Random;
 use nalgebra::{Matrix3, Rotation2, Vector2, Vector3};
@@ -13,15 +13,16 @@ fn find(corners: &[Vector2<f64>]) -> StablePoint {
 }
 
 #[track_caller]
-fn assert_near(found: Vector2<f64>, wanted: Vector2<f64>, bound: f64) {
-    assert!((found - wanted).norm() <= bound, "{found} is not {wanted}");
+fn assert_near(found: Vector2<f64>, expected: Vector2<f64>, bound: f64) {
+    assert!((found - expected).norm() <= bound, "{found} is not {expected}");
 }
 
-/// Some operations on numbers of size 1, and corners that shrinking brings near to each other.
+/// Rounding of some operations on numbers of size 1, amplified where shrinking brings corners near
+/// to each other.
 const ROUNDING: f64 = 1e-13;
 
 #[test]
-fn nothing_a_point_and_a_line() {
+fn no_point_gives_none_and_a_point_and_a_line_their_middle() {
     assert_eq!(stable_point(std::iter::empty(), &mut Vec::new()), None);
     assert_eq!(find(&[v(0.3, 0.4)]), StablePoint { point: v(0.3, 0.4), radius: 0.0 });
     assert_eq!(find(&[v(0.0, 1.0), v(0.5, 2.0)]), StablePoint { point: v(0.25, 1.5), radius: 0.0 });
@@ -43,13 +44,14 @@ fn a_triangle_has_its_incentre() {
 }
 
 #[test]
-fn a_rectangle_has_its_centre_however_long_and_however_it_lies() {
+fn a_rectangle_has_its_centre_at_any_aspect_ratio_and_orientation() {
     for (length, width) in [(2.0, 1.0), (1.0, 2.0), (1.0, 1.0), (50.0, 1.0), (0.094, 0.062)] {
         for turn in [0.0, 0.3, 1.0, 2.5] {
             let (to, r) = (v(0.4, -0.7), Rotation2::new(turn));
             let corners = [v(0.0, 0.0), v(length, 0.0), v(length, width), v(0.0, width)].map(|p| r * p + to);
             let found = find(&corners);
-            // Turned edges are parallel but for rounding; the rest is rounding of coordinates up to 50.
+            // Opposite edges are parallel up to rounding; the rest is rounding of coordinates up to
+            // 50.
             assert_near(found.point, r * v(0.5 * length, 0.5 * width) + to, 1e-13 * length.max(1.0));
             assert!((found.radius - 0.5 * length.min(width)).abs() < ROUNDING * length.max(1.0));
         }
@@ -75,11 +77,12 @@ fn trapezoids_have_their_closed_forms() {
 }
 
 #[test]
-fn edges_that_taper_a_little_move_the_point_continuously_from_the_middle_to_the_wide_end() {
+fn a_slight_taper_moves_the_point_continuously_from_the_middle_to_the_wide_end() {
     // 10 long, 1 high at the right and less by the taper at the left.
     let at = |taper: f64| find(&[v(0.0, 0.0), v(10.0, 0.0), v(10.0, 1.0), v(0.0, 1.0 - taper)]).point.x;
     let right = |taper: f64| {
-        // Between the bottom, the right end and the top: their angle at the right top corner is a little below 90 degrees.
+        // Between the bottom, the right end and the top: their angle at the top right corner is
+        // slightly below 90 degrees.
         let slope = taper / 10.0;
         let radius = 1.0 / (1.0 + (1.0 + slope * slope).sqrt() + slope);
         10.0 - radius
@@ -99,7 +102,8 @@ fn edges_that_taper_a_little_move_the_point_continuously_from_the_middle_to_the_
     }
 }
 
-/// All discs that touch three edges and lie inside: the largest, and the middle of the centres of those as large.
+/// All discs that touch three edges and are inside: the largest, and the mean centre of equally
+/// large ones.
 fn by_triples(corners: &[Vector2<f64>]) -> StablePoint {
     let n = corners.len();
     let edges: Vec<(Vector2<f64>, f64)> = (0..n)
@@ -141,11 +145,12 @@ fn random_polygons_agree_with_every_triple_of_edges() {
         let mut points: Vec<_> = points.map(|p| Vector3::new(p[0], p[1], 0.0)).collect();
         convex_hull(&mut points, &Plane::LEVEL);
         let corners: Vec<_> = points.iter().map(|p| p.xy()).collect();
-        let (found, wanted) = (find(&corners), by_triples(&corners));
+        let (found, expected) = (find(&corners), by_triples(&corners));
         counts[corners.len().min(11)] += 1;
-        // Two edges of a random polygon that nearly oppose each other magnify rounding by 1 over the sine of their angle.
-        assert!((found.radius - wanted.radius).abs() < 1e-12, "{corners:?}: {found:?} {wanted:?}");
-        assert_near(found.point, wanted.point, 1e-9);
+        // Two nearly opposite edges of a random polygon amplify rounding by 1 over the sine of
+        // their angle.
+        assert!((found.radius - expected.radius).abs() < 1e-12, "{corners:?}: {found:?} {expected:?}");
+        assert_near(found.point, expected.point, 1e-9);
     }
     assert!(counts[3..9].iter().all(|c| *c > 50), "{counts:?}");
 }
@@ -160,14 +165,14 @@ fn two_feet_anywhere_agree_with_every_triple_of_edges() {
         let mut points: Vec<_> = foot.iter().chain(&second).map(|p| Vector3::new(p.x, p.y, 0.0)).collect();
         convex_hull(&mut points, &Plane::LEVEL);
         let corners: Vec<_> = points.iter().map(|p| p.xy()).collect();
-        let (found, wanted) = (find(&corners), by_triples(&corners));
-        assert!((found.radius - wanted.radius).abs() < 1e-13, "{found:?} {wanted:?}");
-        assert_near(found.point, wanted.point, 1e-10);
+        let (found, expected) = (find(&corners), by_triples(&corners));
+        assert!((found.radius - expected.radius).abs() < 1e-13, "{found:?} {expected:?}");
+        assert_near(found.point, expected.point, 1e-10);
     }
 }
 
 #[test]
-fn moving_turning_and_scaling_a_polygon_moves_its_point_along() {
+fn translating_rotating_and_scaling_a_polygon_transforms_its_point() {
     let mut r = Random::new(13);
     for _ in 0..200 {
         let mut points: Vec<_> = (0..7).map(|_| r.list(2, 1.0)).map(|p| Vector3::new(p[0], p[1], 0.0)).collect();
@@ -177,7 +182,7 @@ fn moving_turning_and_scaling_a_polygon_moves_its_point_along() {
         let (turn, to) = (Rotation2::new(r.list(1, 3.0)[0]), v(0.7, -1.3));
         let moved: Vec<_> = corners.iter().map(|p| turn * p * 0.01 + to).collect();
         let again = find(&moved);
-        // Coordinates of size 1 round by 1e-16, a hundredth of the polygon has 1e-14 of its size left.
+        // Coordinates of size 1 round by 1e-16, so a polygon of size 1/100 keeps 1e-14 of its size.
         assert_near((again.point - to) * 100.0, turn * found.point, 1e-10);
         assert!((again.radius * 100.0 - found.radius).abs() < 1e-12);
     }

@@ -1,10 +1,10 @@
-//! The stepping loop allocates nothing once it runs.
+//! The stepping loop allocates nothing after the first step.
 
 use super::allocations::count;
 use crate::analytic::support::simulation;
 use stiction::sim::NullObserver;
 
-/// HOAP-2 standing, swaying under a push; no event falls into the steps counted.
+/// HOAP-2 stands and sways under a push; no event falls into the counted steps.
 fn pushed(method: &str, integrator: &str, drives: &str) -> String {
     format!(
         "duration = 100.0
@@ -24,7 +24,7 @@ fn pushed(method: &str, integrator: &str, drives: &str) -> String {
     )
 }
 
-/// A kinematic head on its way, a lagging, a slow and a rough joint.
+/// A kinematic head in motion, and joints with lag, speed limit and friction.
 const DRIVES: &str = "
     [robot.joint]
     head_pan = { mode = \"kinematic\" }
@@ -59,7 +59,7 @@ fn without_allocations(drives: &str) {
     ] {
         let mut sim = simulation(&pushed(method, integrator, drives));
         sim.begin(&mut NullObserver).expect("it begins");
-        // The first step may make its lists.
+        // The first step may allocate its lists.
         sim.step(&mut NullObserver).expect("it steps");
         let before = sim.metrics().state_changes;
         let allocations = count(|| (0..200).for_each(|_| sim.step(&mut NullObserver).expect("it steps")));
@@ -94,7 +94,7 @@ fn forces_allocate_nothing() {
     let mut sim = simulation(&format!("{}{more}", pushed("exact", "method = \"dopri5\"", "")));
     sim.begin(&mut NullObserver).expect("it begins");
     sim.step(&mut NullObserver).expect("it steps");
-    // Telling of a push makes words: count the steps in which none begins.
+    // Reporting a push allocates its message: count the steps in which none begins.
     let quiet = (0..200).filter(|_| count(|| sim.step(&mut NullObserver).expect("it steps")) == 0).count();
     assert!(quiet > 150, "{quiet} of 200 steps");
 }

@@ -1,7 +1,8 @@
-//! The stepping loop allocates nothing, whatever task, force, sensor and estimator takes part in it.
+//! The stepping loop allocates nothing, with any task, force, sensor and estimator.
 //!
-//! Not counted: ticks and steps in which something happens that is told (a task begins or ends, a contact changes), because
-//! its words are made then. Scripts make tables in a heap of Luau's own, which counts as well: see the last test.
+//! Steps and ticks with an event (a task begins or ends, a contact changes) are not counted,
+//! because they allocate its message. Scripts allocate tables in Luau's own heap, which counts as
+//! well: see the last test.
 
 use super::allocations::{balance, count};
 use crate::analytic::imu::{HEAD, HOAP2, with};
@@ -55,7 +56,7 @@ const PARTS: &[Part] = &[
     ),
     part("task", "gravity-compensation", (0.1, 0.2), "change = [{ at = 0.05, damping = 1 }]"),
     part("task", "squat", (0.5, 0.3), "depth = 0.02\nsettle = 0.4\nperiod = 1.0"),
-    // Through lifting, swinging and setting down of the first foot.
+    // Covers lifting, swinging and setting down of the first foot.
     part("task", "walk", (1.2, 1.2), "steps = 2\nstep_length = 0.02\nwait = 0.8\nsettle = 0.4"),
     part("force", "push", (0.1, 0.2), "link = \"torso\"\nforce = [3, 1, 0]\nduration = 5.0\nprofile = \"half-sine\""),
     part("force", "constant", (0.1, 0.2), "end_effector = \"left_hand\"\nforce = [1, 0, 0]\nframe = \"link\""),
@@ -83,7 +84,7 @@ const PARTS: &[Part] = &[
     part("force", "joint-friction", (0.1, 0.2), "all = { coulomb = 0.01, static = 0.02 }"),
 ];
 
-/// Types that are counted elsewhere in this file.
+/// Types counted elsewhere in this file.
 const SCRIPTS: [&str; 2] = ["task script", "force script"];
 
 const ADAPTIVE: &str = "method = \"dopri5\"";
@@ -95,45 +96,46 @@ fn hoap2(model: &str, integrator: &str, more: &str) -> String {
     )
 }
 
-/// Hears whether anything is told.
+/// Counts events.
 #[derive(Default)]
-struct Ear {
-    told: usize,
+struct EventCounter {
+    events: usize,
 }
 
-impl Observer for Ear {
-    fn snapshot(&mut self, _: &Snapshot) -> Result<(), String> {
+impl Observer for EventCounter {
+    fn snapshot(&mut self, _: &Snapshot) -> Result<(), stiction::sim::ObserverError> {
         Ok(())
     }
 
-    fn event(&mut self, _: &SimEvent) -> Result<(), String> {
-        self.told += 1;
+    fn event(&mut self, _: &SimEvent) -> Result<(), stiction::sim::ObserverError> {
+        self.events += 1;
         Ok(())
     }
 }
 
-fn step(sim: &mut Simulation, ear: &mut Ear) {
-    sim.step(ear).unwrap_or_else(|stop| panic!("{stop:?}"));
+fn step(sim: &mut Simulation, counter: &mut EventCounter) {
+    sim.step(counter).unwrap_or_else(|stop| panic!("{stop:?}"));
 }
 
 fn until(sim: &mut Simulation, time: f64) {
     while sim.plant().state.time < time {
-        step(sim, &mut Ear::default());
+        step(sim, &mut EventCounter::default());
     }
 }
 
-/// Steps through the window; steps in which nothing was told, and allocations in them.
+/// Steps through the window; returns the number of steps without events, and the allocations in
+/// them.
 fn quiet(text: &str, (from, length): (f64, f64)) -> (usize, usize) {
     let mut sim = simulation(text);
     sim.begin(&mut NullObserver).unwrap_or_else(|stop| panic!("{stop:?}"));
     until(&mut sim, from);
     let (mut steps, mut allocations) = (0, 0);
     while sim.plant().state.time < from + length {
-        let mut ear = Ear::default();
-        let made = count(|| step(&mut sim, &mut ear));
-        if ear.told == 0 {
+        let mut counter = EventCounter::default();
+        let allocated = count(|| step(&mut sim, &mut counter));
+        if counter.events == 0 {
             steps += 1;
-            allocations += made;
+            allocations += allocated;
         }
     }
     (steps, allocations)
@@ -157,7 +159,7 @@ fn every_task_and_every_force_steps_without_allocating() {
     assert!(wrong.is_empty(), "{wrong}");
 }
 
-/// A type that is added to the format is to be added here.
+/// A type that is added to the format must be added here.
 #[test]
 fn no_type_is_left_out() {
     let schema = schema();
@@ -187,7 +189,7 @@ fn sensors_and_estimators_allocate_nothing() {
         "estimator = \"inertial\"\ninertial = { acceleration = \"soles\" }",
     ] {
         for integrator in [ADAPTIVE, FIXED] {
-            // The task asks for all that is computed from readings of the soles.
+            // The task requests all data that are computed from the readings of the soles.
             let task = "[[task]]\ntype = \"balance\"\ncontrol = \"position\"";
             let text = hoap2(&model, integrator, &format!("{task}\n{sensors}\n[control]\n{estimator}"));
             let (steps, allocations) = quiet(&text, (0.05, 0.1));
@@ -213,8 +215,9 @@ function run(robot)
     return { { link = 'torso', point = { 0, 0, 0.1 }, force = { -2 * v[1], 0, 0 } } }
 end";
 
-/// Scripts allocate in Luau's heap, which its collector empties: what is held does not grow with time. Beside it a task
-/// makes nothing; a force, whose `run` answers with tables, may make a few small things in each call.
+/// Scripts allocate in Luau's heap, which its collector empties, so the memory in use does not grow
+/// with time. Otherwise a task allocates nothing. A force, whose `run` returns tables, may make a
+/// few small allocations in each call.
 #[test]
 fn scripts_hold_no_more_memory_from_tick_to_tick() {
     let model = format!("\"{HOAP2}.toml\"");
@@ -230,13 +233,15 @@ fn scripts_hold_no_more_memory_from_tick_to_tick() {
             until(&mut sim, 0.5);
             let calls = |sim: &Simulation| sim.plant().evaluations as usize;
             let before = calls(&sim);
-            let mut made = 0;
-            let more = (0..4).map(|k| balance(|| made += count(|| until(&mut sim, 0.75 + 0.25 * f64::from(k)))));
+            let mut allocated = 0;
+            let more = (0..4).map(|k| balance(|| allocated += count(|| until(&mut sim, 0.75 + 0.25 * f64::from(k)))));
             let grown: Vec<isize> = more.collect();
             let calls = calls(&sim) - before;
-            println!("{name}, {integrator}: {made} allocations in {calls} evaluations, bytes more held: {grown:?}");
+            println!(
+                "{name}, {integrator}: {allocated} allocations in {calls} evaluations, bytes more held: {grown:?}"
+            );
             // The heap grows and shrinks by pages of 16 KiB.
-            assert!(made <= a_call * calls + 20, "{name}: {made} in {calls}");
+            assert!(allocated <= a_call * calls + 20, "{name}: {allocated} in {calls}");
             assert!(grown.iter().sum::<isize>() < 100_000, "{name}: {grown:?}");
         }
     }

@@ -1,4 +1,4 @@
-//! The library as programs use it: the crate root's exports and the programs of `examples/`.
+//! Tests of the library interface: the exports of the crate root, and the programs of `examples/`.
 
 #[path = "../../examples/own_contact_method.rs"]
 mod own_contact_method;
@@ -21,7 +21,7 @@ fn examples_run() {
 }
 
 #[test]
-fn advancing_by_hand_gives_the_bits_of_an_uninterrupted_run() {
+fn advancing_in_parts_gives_the_bits_of_an_uninterrupted_run() {
     let run = Scenario::load("scenarios/hoap2-pushed.toml").unwrap().set("duration", 1.5).runs().unwrap().remove(0);
     let (mut whole, mut parts) = (run.simulation().unwrap(), run.simulation().unwrap());
     whole.run_to_end(&mut ()).unwrap();
@@ -40,7 +40,7 @@ fn a_setup_needs_only_a_robot() {
     let scenario = Scenario::parse("block.toml", "robot = { model = \"robots/block/block.toml\" }").unwrap();
     let robot = scenario.runs().unwrap()[0].load_robot().unwrap();
     let mut setup = Setup::new(Arc::new(robot.model));
-    // Flat on the floor, sliding: it stops after v0^2 / (2 mu g), mu = 0.6.
+    // The block slides flat on the floor and stops after v0^2 / (2 mu g), mu = 0.6.
     setup.start.position.z = 0.05;
     setup.start.v[0] = 1.0;
     let mut simulation = Simulation::new(setup).unwrap();
@@ -51,7 +51,7 @@ fn a_setup_needs_only_a_robot() {
 }
 
 #[test]
-fn errors_name_file_line_and_key() {
+fn errors_contain_file_line_and_key() {
     let error =
         Scenario::parse("typo.toml", "robot = { model = \"robots/block/block.toml\" }\nfloor = { fricton = 1 }");
     let error = error.unwrap().runs().unwrap_err();
@@ -63,7 +63,7 @@ fn errors_name_file_line_and_key() {
 }
 
 #[test]
-fn a_batch_leaves_its_results() {
+fn a_batch_writes_its_results() {
     let folder = tempfile::tempdir().unwrap();
     let options = Options { output: folder.path().join("results"), jobs: 2, timing: false, ..Options::default() };
     let report = run_batch(["scenarios/sliding-block.toml", "scenarios/drop.toml"], options).unwrap();

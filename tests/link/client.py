@@ -1,6 +1,7 @@
-"""Drives `runner motor-server` from Python: holds HOAP-2's posture and bends one joint by 0.1 rad. Prints what was sensed last.
+"""Drives `runner motor-server` from Python: holds HOAP-2's posture and bends one joint by 0.1 rad.
 
-python client.py PORT JOINT"""
+Prints the last readings: time, angle of the joint, position of the base.
+Usage: python client.py PORT JOINT"""
 
 import math
 import os
@@ -40,9 +41,9 @@ while True:
     if flags & LAST:
         send(BYE, session, tick, time)
         break
-    wanted = list(start)
-    wanted[bent] += 0.1 * (1 - math.cos(math.pi * min(time / 0.5, 1))) / 2
-    rows = [wanted, [0.0] * joints, [0.0] * joints, [100.0] * joints, [1.0] * joints]
+    target = list(start)
+    target[bent] += 0.1 * (1 - math.cos(math.pi * min(time / 0.5, 1))) / 2
+    rows = [target, [0.0] * joints, [0.0] * joints, [100.0] * joints, [1.0] * joints]
     body = struct.pack("<QI", tick + 1, joints) + bytes(joints) + b"".join(struct.pack(f"<{joints}d", *r) for r in rows)
     send(CONTROL, session, tick, time, body)
 print(time, position[bent] - start[bent], *base)

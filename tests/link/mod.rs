@@ -1,4 +1,5 @@
-//! Tasks here, robot there: packets, sessions, the same bits over a link.
+//! Tests of remote runs, with tasks and robot in different processes: packets, sessions, bit
+//! equality.
 
 #[cfg(feature = "live")]
 mod live;

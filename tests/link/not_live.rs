@@ -1,9 +1,9 @@
-//! The program without `--live`.
+//! Tests of a program built without the feature `live`.
 
 use crate::cli::Place;
 
 #[test]
-fn the_option_says_how_to_get_it() {
+fn the_error_states_the_build_command() {
     let place = Place::new();
     place.block("s.toml", "");
     for arguments in

@@ -1,4 +1,4 @@
-//! The program on both sides of a link.
+//! Tests of remote runs with the program on both sides of the link.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
@@ -9,9 +9,9 @@ use crate::cli::{Done, Place, Table};
 /// `runner motor-server` in the background, listening.
 pub struct Server {
     child: Child,
-    said: BufReader<ChildStderr>,
-    before: String,
-    /// Where it listens.
+    stderr: BufReader<ChildStderr>,
+    stderr_so_far: String,
+    /// UDP port of the server.
     pub port: u16,
 }
 
@@ -24,36 +24,36 @@ impl Server {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        let mut said = BufReader::new(child.stderr.take().unwrap());
-        let mut before = String::new();
+        let mut stderr = BufReader::new(child.stderr.take().unwrap());
+        let mut stderr_so_far = String::new();
         let port = loop {
             let mut line = String::new();
-            if said.read_line(&mut line).unwrap() == 0 {
+            if stderr.read_line(&mut line).unwrap() == 0 {
                 child.wait().unwrap();
-                panic!("it does not listen:\n{before}");
+                panic!("the server does not listen:\n{stderr_so_far}");
             }
-            before += &line;
+            stderr_so_far += &line;
             if let Some((_, port)) = line.trim_end().split_once(" at 127.0.0.1:") {
                 break port.parse().unwrap();
             }
         };
-        Server { child, said, before, port }
+        Server { child, stderr, stderr_so_far, port }
     }
 
     fn backend(&self) -> String {
         format!("robot.backend=\"udp://127.0.0.1:{}\"", self.port)
     }
 
-    /// Waits for its end.
+    /// Waits until it exits.
     pub fn end(mut self) -> Done {
-        let mut stderr = self.before;
-        self.said.read_to_string(&mut stderr).unwrap();
+        let mut stderr = self.stderr_so_far;
+        self.stderr.read_to_string(&mut stderr).unwrap();
         let output = self.child.wait_with_output().unwrap();
         Done { code: output.status.code(), stdout: String::from_utf8(output.stdout).unwrap(), stderr }
     }
 }
 
-/// HOAP-2 on the floor, pushed, with what `more` says.
+/// Writes a scenario of HOAP-2 on the floor with the keys of `more`.
 pub fn hoap2(place: &Place, name: &str, more: &str) {
     let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.toml");
     place.write(name, format!("duration = 1.0\n{more}\n[robot]\nmodel = {model:?}\n"));
@@ -62,7 +62,8 @@ pub fn hoap2(place: &Place, name: &str, more: &str) {
 const SQUAT: &str = "task = [{ type = \"squat\", start = 0.1, depth = 0.02, period = 0.6, repetitions = 1 }]
 force = [{ type = \"push\", link = \"torso\", force = [10, 4, 0], start = 0.5, duration = 0.1 }]";
 
-/// Columns of both logs that must agree: the base and all joints, positions and velocities, and what the joints are asked.
+/// Columns of both logs that must agree: position and velocity of base and joints, and the joint
+/// commands.
 const MOTION: &str = "base_*,joint.*.position_rad,joint.*.velocity_rad_s,joint.*.desired_position_rad";
 
 pub fn motion(place: &Place, results: &str, scenario: &str) -> Table {
@@ -71,9 +72,9 @@ pub fn motion(place: &Place, results: &str, scenario: &str) -> Table {
     Table::parse(&place.runner(&["export", log.to_str().unwrap(), "--columns", MOTION]).exits(0).stdout)
 }
 
-/// Rows of the remote log are rows of the local one, positions and what was asked character by character. Velocities are looked at in
-/// the log of the robot's side: at an instant at which contact is decided anew the log has what that makes of them, sensing what
-/// was before.
+/// Asserts that each row of the remote log is a row of the local one, with equal positions and
+/// commands. Velocities are compared in the log of the robot's side: when the contact state changes
+/// at the instant of a row, the log has the velocity after the change, sensing the one before.
 #[track_caller]
 fn assert_same_motion(local: &Table, remote: &Table, at_least: usize) {
     assert_eq!(local.header, remote.header);
@@ -93,9 +94,9 @@ fn assert_same_motion(local: &Table, remote: &Table, at_least: usize) {
     assert!(rows >= at_least, "{rows} rows");
 }
 
-/// Local, and in lock-step over loopback: the same bits.
+/// A run in lock step over loopback has the bits of a local run.
 #[test]
-fn a_link_changes_no_bit() {
+fn lock_step_equals_a_local_run() {
     let place = Place::new();
     for (name, more) in [
         ("squat", SQUAT.to_owned()),
@@ -115,72 +116,74 @@ fn a_link_changes_no_bit() {
         let there = server.end().exits(0);
         assert!(done.stdout.contains("link: ") && there.stdout.contains("link: "), "{}\n{}", done.stdout, there.stdout);
         let truth = motion(&place, &local, name);
-        assert_eq!(truth.rows, motion(&place, &robot, name).rows, "{name}: where it is simulated");
-        // What the tasks' side knows of the base is what it estimates.
+        assert_eq!(truth.rows, motion(&place, &robot, name).rows, "{name}: log of the robot's side");
+        // The tasks' side logs the estimated base.
         if name != "sensed" {
             assert_same_motion(&truth, &motion(&place, &remote, name), 100);
         }
     }
 }
 
-/// A fifth of the packets each is lost, doubled, late or behind the next: the run is the same, and both sides say what happened.
+/// With a fifth of the packets each lost, duplicated, delayed or reordered, the run is the same and
+/// both sides report the impairment.
 #[test]
-fn a_bad_line_changes_no_bit_either() {
+fn network_impairment_keeps_the_bits_in_lock_step() {
     let place = Place::new();
     hoap2(&place, "s.toml", &format!("{SQUAT}\nstop = {{ fallen = {{ below = 0.2 }} }}"));
     place.runner(&["s.toml", "--set", "duration=0.3", "-o", "l"]).exits(0);
-    let bad = "loss=0.2,duplicate=0.2,reorder=0.2,delay=0.2:0.002,seed=3";
-    let server = Server::start(&place, &["s.toml", "--set", "duration=0.3", "-o", "r", "--impair", bad]);
+    let impairment = "loss=0.2,duplicate=0.2,reorder=0.2,delay=0.2:0.002,seed=3";
+    let server = Server::start(&place, &["s.toml", "--set", "duration=0.3", "-o", "r", "--impair", impairment]);
     let backend = server.backend();
     let done = place.runner(&["s.toml", "--set", "duration=0.3", "--set", &backend, "-o", "t"]).exits(0);
     let there = server.end().exits(0);
-    for said in [&done.stdout, &there.stdout] {
-        assert!(said.contains("sent again"), "{said}");
+    for output in [&done.stdout, &there.stdout] {
+        assert!(output.contains("resent"), "{output}");
     }
-    assert!(done.stdout.contains("lost on the way here") && !done.stdout.contains(" 0 lost"), "{}", done.stdout);
+    assert!(done.stdout.contains("lost") && !done.stdout.contains(" 0 lost"), "{}", done.stdout);
     assert!(done.stdout.contains("late or replayed"), "{}", done.stdout);
-    // The squat begins at 0.1 s; before it there is nothing to decide.
+    // The squat begins at 0.1 s; before it no tick needs a command.
     assert_same_motion(&motion(&place, "l", "s"), &motion(&place, "t", "s"), 40);
     assert_eq!(motion(&place, "l", "s").rows, motion(&place, "r", "s").rows);
 }
 
-/// The robot's clock waits for nobody; it keeps standing, and says at how many ticks no control was there.
+/// At a pace the robot's clock does not wait for commands; the robot keeps standing despite network
+/// impairment, and the server counts the ticks without a new command.
 #[test]
-fn at_a_pace_it_stands_on_a_bad_line() {
+fn at_a_pace_the_robot_stands_despite_network_impairment() {
     let place = Place::new();
     hoap2(
         &place,
         "s.toml",
         "control = { rate = 200 }\nstop = { fallen = { below = 0.2 } }\ntask = [{ type = \"squat\", start = 0.1, depth = 0.02, period = 0.6, repetitions = 1 }]",
     );
-    let bad = "loss=0.2,duplicate=0.2,reorder=0.2,delay=0.2:0.01,seed=4";
-    let server = Server::start(&place, &["s.toml", "-o", "r", "--pace", "0.5", "--impair", bad]);
+    let impairment = "loss=0.2,duplicate=0.2,reorder=0.2,delay=0.2:0.01,seed=4";
+    let server = Server::start(&place, &["s.toml", "-o", "r", "--pace", "0.5", "--impair", impairment]);
     let backend = server.backend();
     let done = place.runner(&["s.toml", "--set", &backend, "-o", "t"]).exits(0);
     let there = server.end().exits(0);
-    assert!(there.stdout.contains("ticks without fresh control"), "{}", there.stdout);
+    assert!(there.stdout.contains("ticks without a new command"), "{}", there.stdout);
     assert!(!done.stdout.contains(" 0 lost"), "{}", done.stdout);
     let height = place.summary("r").numbers("final_base_z")[0];
-    assert!(height > 0.25, "{height} m: it stands");
+    assert!(height > 0.25, "{height} m: the robot stands");
 }
 
 #[test]
-fn nobody_there_is_told_and_kept() {
+fn missing_peers_are_reported_and_recorded() {
     let place = Place::new();
     hoap2(&place, "s.toml", SQUAT);
-    // Bound and given back: nobody listens there.
+    // The port is free again, so no process receives on it.
     let port = std::net::UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     let done = place.runner(&["s.toml", "--set", &format!("robot.backend=\"udp://127.0.0.1:{port}\"")]).exits(3);
-    assert!(done.stdout.contains(&format!("nothing was heard from 127.0.0.1:{port} for 3 s")), "{}", done.stdout);
+    assert!(done.stdout.contains(&format!("no packet from 127.0.0.1:{port} for 3 s")), "{}", done.stdout);
     assert_eq!(place.summary("results").column("outcome"), ["error"]);
-    // Nor is there anybody for a robot.
+    // A robot without tasks.
     let server = place.runner(&["motor-server", "s.toml", "--bind", "127.0.0.1:0", "--wait", "0.1"]).exits(3);
-    assert!(server.stdout.contains("nothing was heard from anybody for 0.1 s"), "{}", server.stdout);
+    assert!(server.stdout.contains("no packet from any client for 0.1 s"), "{}", server.stdout);
 }
 
-/// The tasks are killed while they drive: the robot's side ends by itself, and keeps what was.
+/// If the tasks' process is killed, the robot's side ends by itself and keeps its log.
 #[test]
-fn tasks_that_vanish_end_the_run() {
+fn killed_tasks_end_the_run() {
     let place = Place::new();
     hoap2(&place, "s.toml", SQUAT);
     let server = Server::start(&place, &["s.toml", "--set", "duration=1000", "-o", "r"]);
@@ -191,37 +194,37 @@ fn tasks_that_vanish_end_the_run() {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    // Once there is something in its log, control has come.
+    // Data in the log shows that commands have arrived.
     let written = || -> Option<u64> {
         let folder = std::fs::read_dir(place.path("t/s")).ok()?.next()?.ok()?.path();
         std::fs::read_dir(folder).ok()?.filter_map(|file| file.ok()?.metadata().ok()).map(|data| data.len()).max()
     };
     while written().unwrap_or(0) < 100_000 {
-        assert!(tasks.try_wait().unwrap().is_none(), "they ended too early");
+        assert!(tasks.try_wait().unwrap().is_none(), "the tasks ended too early");
         std::thread::yield_now();
     }
     tasks.kill().unwrap();
     tasks.wait().unwrap();
     let there = server.end().exits(3);
-    assert!(there.stdout.contains("nothing was heard from 127.0.0.1:"), "{}", there.stdout);
+    assert!(there.stdout.contains("no packet from 127.0.0.1:"), "{}", there.stdout);
     assert!(place.summary("r").numbers("duration_s")[0] > 0.0);
     motion(&place, "r", "s");
 }
 
 #[test]
-fn who_is_not_on_this_machine_needs_a_key() {
+fn addresses_beyond_loopback_need_a_key() {
     let place = Place::new();
     hoap2(&place, "s.toml", SQUAT);
     let open = place.runner(&["motor-server", "s.toml", "--bind", "0.0.0.0:0"]).exits(2);
-    assert!(open.stderr.contains("a key file is needed there"), "{}", open.stderr);
-    let away = place.runner(&["s.toml", "--set", "robot.backend=\"udp://192.0.2.1:4747\""]).exits(3);
-    assert!(away.stdout.contains("a key file is needed there"), "{}", away.stdout);
+    assert!(open.stderr.contains("such a link needs a key file"), "{}", open.stderr);
+    let remote = place.runner(&["s.toml", "--set", "robot.backend=\"udp://192.0.2.1:4747\""]).exits(3);
+    assert!(remote.stdout.contains("such a link needs a key file"), "{}", remote.stdout);
     place
         .write("short", "fifteen bytes..\n")
         .write("key", "a secret of both sides\n")
         .write("other", "another secret of mine\n");
     let short = place.runner(&["motor-server", "s.toml", "--bind", "127.0.0.1:0", "--key", "short"]).exits(2);
-    assert!(short.stderr.contains("has 15 bytes; at least 16 are wanted"), "{}", short.stderr);
+    assert!(short.stderr.contains("has 15 bytes, expected at least 16"), "{}", short.stderr);
     for (key, code) in [("key", 0), ("other", 3)] {
         let server =
             Server::start(&place, &["s.toml", "--set", "duration=0.1", "-o", "r", "--key", "key", "--wait", "5"]);
@@ -232,8 +235,8 @@ fn who_is_not_on_this_machine_needs_a_key() {
             .exits(code);
         let there = server.end().exits(code);
         if code != 0 {
-            assert!(there.stdout.contains("(wrong seal)"), "{}", there.stdout);
-            assert!(done.stdout.contains("nothing was heard"), "{}", done.stdout);
+            assert!(there.stdout.contains("(wrong authentication tag)"), "{}", there.stdout);
+            assert!(done.stdout.contains("no packet from"), "{}", done.stdout);
         }
     }
 }
@@ -256,23 +259,23 @@ fn another_robot_or_another_rate_is_refused() {
     server.end().exits(3);
 }
 
-/// A robot makes one run at a time.
+/// A backend makes one run at a time.
 #[test]
-fn a_robot_is_asked_once() {
+fn sweeps_with_a_backend_are_refused() {
     let place = Place::new();
     let backend = "robot.backend=\"udp://127.0.0.1:9\"";
     hoap2(&place, "sweep.toml", "sweep = { grid = { seed = [1, 2] } }");
     hoap2(&place, "compare.toml", "compare = { reference = { \"contact.method\" = \"one-step\" } }");
     for name in ["sweep.toml", "compare.toml"] {
         let done = place.runner(&[name, "--set", backend]).exits(2);
-        assert!(done.stderr.contains("makes one run, and this asks for it 2 times"), "{}", done.stderr);
+        assert!(done.stderr.contains("makes one run, but this batch has 2"), "{}", done.stderr);
         assert!(!place.path("results").exists());
     }
 }
 
-/// What only a simulation knows is not measured, and nothing expected of it holds.
+/// Metrics that need the simulation are empty on the tasks' side, and their expectations fail.
 #[test]
-fn nothing_is_measured_that_cannot_be() {
+fn metrics_of_the_simulation_are_unmeasured() {
     let place = Place::new();
     let expect =
         "[[expect]]\nmetric = \"state_changes\"\nmax = 1000\n[[expect]]\nmetric = \"final_base_z\"\nmin = 0.2\n";
@@ -287,17 +290,17 @@ fn nothing_is_measured_that_cannot_be() {
         assert_eq!(table.column(empty), [""], "{empty}");
     }
     assert!(table.column("message")[0].contains("state_changes"), "{:?}", table.column("message"));
-    // Nor can it be made again.
+    // The run cannot be replayed either.
     let again = place.runner(&["replay", &table.column("key")[0][..8], "--results", "t"]).exits(2);
     assert!(again.stderr.contains("so it cannot be re-run"), "{}", again.stderr);
     assert!(table.numbers("final_base_z")[0] > 0.2);
 }
 
-/// The client of docs/wire.md; left out where there is no Python.
+/// The client of docs/wire.md; skipped without Python.
 #[test]
-fn a_client_in_python_drives_it() {
+fn the_documented_python_client_works() {
     let page = include_str!("../../docs/wire.md");
-    assert!(page.contains(include_str!("client.py").trim_end()), "docs/wire.md has another client");
+    assert!(page.contains(include_str!("client.py").trim_end()), "docs/wire.md shows another client");
     let Ok(version) = std::process::Command::new("python3").arg("--version").output() else { return };
     if !version.status.success() {
         return;
@@ -313,14 +316,14 @@ fn a_client_in_python_drives_it() {
         .args([server.port.to_string(), shoulder.to_string()])
         .output()
         .unwrap();
-    let (said, wrong) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
+    let (stdout, stderr) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
     server.end().exits(0);
-    let numbers: Vec<f64> = said.split_whitespace().map(|n| n.parse().unwrap()).collect();
-    assert_eq!(numbers.len(), 5, "{said}{wrong}");
+    let numbers: Vec<f64> = stdout.split_whitespace().map(|n| n.parse().unwrap()).collect();
+    assert_eq!(numbers.len(), 5, "{stdout}{stderr}");
     assert_eq!(numbers[0], 1.0, "the end of the run");
     // Gravity on the arm, some 0.1 N m, against 100 N m/rad.
-    assert!((numbers[1] - 0.1).abs() < 0.01, "{said}");
+    assert!((numbers[1] - 0.1).abs() < 0.01, "{stdout}");
     let table = place.summary("r");
     let ends = ["final_base_x", "final_base_y", "final_base_z"].map(|name| table.numbers(name)[0]);
-    assert_eq!(numbers[2..], ends, "what it was told last is where it is");
+    assert_eq!(numbers[2..], ends, "the client has received the final position");
 }

@@ -1,4 +1,5 @@
-//! A client by hand, and strangers who talk between its words.
+//! Tests of foreign packets: another process sends them during the session of a hand-written
+//! client.
 
 use std::net::UdpSocket;
 use std::path::Path;
@@ -6,7 +7,7 @@ use std::time::Duration;
 
 use stiction::remote::wire::{self, Header, Hello, Kind, Welcome, fingerprint, flags, read_sensing, write_control};
 use stiction::robot::{Model, load};
-use stiction::task::{Command, Sensed};
+use stiction::task::{Command, SensorReadings};
 
 use super::session::{Server, hoap2, motion};
 use crate::cli::Place;
@@ -21,7 +22,7 @@ impl Client {
     fn new(port: u16) -> Self {
         let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
         socket.connect(("127.0.0.1", port)).unwrap();
-        // Far beyond what an answer takes; a test that fails does not hang.
+        // Far longer than a response takes, so a failing test does not hang.
         socket.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
         Client { socket, session: 77, sequence: 0 }
     }
@@ -53,28 +54,28 @@ impl Client {
     }
 }
 
-/// Holds the posture through a run of 0.1 s; before each answer `meddle` may send something.
-fn hold(place: &Place, results: &str, meddle: impl Fn(&Client, u16, u64, &Command)) -> String {
+/// Holds the posture during a run of 0.1 s. Before each response `inject` may send packets.
+fn hold(place: &Place, results: &str, inject: impl Fn(&Client, u16, u64, &Command)) -> String {
     let model = load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.toml")).unwrap().model;
     let server = Server::start(place, &["s.toml", "--set", "duration=0.1", "-o", results]);
     let mut client = Client::new(server.port);
     client.greet(&model);
     let command = Command::hold(&model, &model.home);
-    let mut wild = command.clone();
-    wild.position.iter_mut().for_each(|q| *q += 0.3);
+    let mut deviating = command.clone();
+    deviating.position.iter_mut().for_each(|q| *q += 0.3);
     let mut answered = None;
     loop {
         let (header, body) = client.receive();
         if header.kind != Kind::Sensing {
             continue;
         }
-        read_sensing(&header, &body, &mut Sensed::blank(&model)).unwrap();
+        read_sensing(&header, &body, &mut SensorReadings::blank(&model)).unwrap();
         if header.flags & flags::LAST != 0 {
             client.send(Kind::Bye, header.tick, |_| ());
             break;
         }
         if answered != Some(header.tick) {
-            meddle(&client, server.port, header.tick, &wild);
+            inject(&client, server.port, header.tick, &deviating);
         }
         answered = Some(header.tick);
         client.send(Kind::Control, header.tick, |out| write_control(&command, Some(header.tick + 1), out));
@@ -82,24 +83,25 @@ fn hold(place: &Place, results: &str, meddle: impl Fn(&Client, u16, u64, &Comman
     server.end().exits(0).stdout
 }
 
-/// Control of another sender, of another session, of another tick, a stranger's hello and goodbye: counted, never acted on.
+/// Commands of another sender, session or tick are counted but have no effect, like a foreign
+/// `Hello` and `Bye`.
 #[test]
-fn strangers_move_nothing() {
+fn foreign_packets_have_no_effect() {
     let place = Place::new();
     hoap2(&place, "s.toml", "control = { rate = 100 }");
     let alone = hold(&place, "alone", |_, _, _, _| ());
     assert!(!alone.contains("dropped"), "{alone}");
-    let control = |tick: u64, session: u64, wild: &Command| {
+    let control = |tick: u64, session: u64, deviating: &Command| {
         let mut packet = Vec::new();
         let header = Header { kind: Kind::Control, flags: 0, session, sequence: 1_000_000, tick, time: 0.0 };
         wire::begin(&header, &mut packet);
-        write_control(wild, Some(tick + 1), &mut packet);
+        write_control(deviating, Some(tick + 1), &mut packet);
         wire::end(None, &mut packet);
         packet
     };
-    let said = hold(&place, "met", |client, port, tick, wild| {
+    let output = hold(&place, "met", |client, port, tick, deviating| {
         let stranger = UdpSocket::bind("127.0.0.1:0").unwrap();
-        stranger.send_to(&control(tick, client.session, wild), ("127.0.0.1", port)).unwrap();
+        stranger.send_to(&control(tick, client.session, deviating), ("127.0.0.1", port)).unwrap();
         let mut bye = Vec::new();
         let header = Header { kind: Kind::Bye, flags: 0, session: client.session, sequence: 1, tick, time: 0.0 };
         wire::begin(&header, &mut bye);
@@ -110,15 +112,16 @@ fn strangers_move_nothing() {
         wire::begin(&header, &mut hello);
         Hello { robot: [0; 32], rate: 100.0 }.write(&mut hello);
         wire::end(None, &mut hello);
-        // Until control has come the session may still be another's.
+        // Before the first command another hello may take over the session.
         if tick > 0 {
             stranger.send_to(&hello, ("127.0.0.1", port)).unwrap();
         }
-        client.socket.send(&control(tick, client.session + 1, wild)).unwrap();
-        client.socket.send(&control(tick + 5, client.session, wild)).unwrap();
+        client.socket.send(&control(tick, client.session + 1, deviating)).unwrap();
+        client.socket.send(&control(tick + 5, client.session, deviating)).unwrap();
     });
-    // Ten ticks, three packets each that are of no session and a hello at all but the first, and one of another tick.
-    assert!(said.contains("39 dropped (other session)"), "{said}");
-    assert!(said.contains("10 dropped (late or replayed)"), "{said}");
+    // At each of ten ticks: three packets of another session, one command of another tick, and
+    // except at the first tick a `Hello`.
+    assert!(output.contains("39 dropped (other session)"), "{output}");
+    assert!(output.contains("10 dropped (late or replayed)"), "{output}");
     assert_eq!(motion(&place, "alone", "s").rows, motion(&place, "met", "s").rows);
 }

@@ -1,4 +1,4 @@
-//! Packets: what is written is read to the last bit, and what is no packet of this robot and session is refused.
+//! Tests of the packet format: packets are read bit for bit as written, and invalid ones rejected.
 
 use std::path::Path;
 
@@ -6,14 +6,14 @@ use nalgebra::{UnitQuaternion, Vector3};
 use stiction::dynamics::chain::FrameMotion;
 use stiction::random::Stream;
 use stiction::remote::wire::{
-    self, HEADER, Header, Hello, Key, Kind, Refused, VERSION, Welcome, fingerprint, flags, read_control, read_sensing,
-    write_control, write_sensing,
+    self, HEADER, Header, Hello, Key, Kind, Rejection, VERSION, Welcome, fingerprint, flags, read_control,
+    read_sensing, write_control, write_sensing,
 };
 use stiction::robot::{DriveMode, Model, load};
-use stiction::task::{Command, Sensed};
+use stiction::task::{Command, SensorReadings};
 
 fn model() -> Model {
-    load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.toml")).expect("a robot of the tree").model
+    load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.toml")).expect("HOAP-2 loads").model
 }
 
 fn key() -> Key {
@@ -22,7 +22,7 @@ fn key() -> Key {
 
 const CONTROL: Header = Header { kind: Kind::Control, flags: 0, session: 7, sequence: 3, tick: 12, time: 0.012 };
 
-/// Numbers without a pattern, as a robot has them.
+/// A command of random numbers.
 fn command(model: &Model, stream: &mut Stream) -> Command {
     let mut command = Command::hold(model, &model.home);
     let modes = [DriveMode::Position, DriveMode::Velocity, DriveMode::Force, DriveMode::Kinematic, DriveMode::Passive];
@@ -42,8 +42,8 @@ fn vector(stream: &mut Stream) -> Vector3<f64> {
     Vector3::from_fn(|_, _| stream.normal())
 }
 
-fn sensed(model: &Model, stream: &mut Stream, base: bool, vertices: bool) -> Sensed {
-    let mut sensed = Sensed::blank(model);
+fn sensed(model: &Model, stream: &mut Stream, base: bool, vertices: bool) -> SensorReadings {
+    let mut sensed = SensorReadings::blank(model);
     sensed.time = 0.012;
     for column in [&mut sensed.position, &mut sensed.velocity, &mut sensed.load] {
         column.iter_mut().for_each(|x| *x = stream.normal());
@@ -65,7 +65,7 @@ fn sensed(model: &Model, stream: &mut Stream, base: bool, vertices: bool) -> Sen
             sole.vertices.iter_mut().for_each(|force| *force = vector(stream));
             sole.clamped.iter_mut().enumerate().for_each(|(i, clamped)| *clamped = i % 2 == 0);
         } else {
-            // Such sensors say the same of a whole sole.
+            // Sensors that do not resolve a sole report one state for it.
             sole.clamped.fill(stream.unit() < 0.5);
         }
     }
@@ -80,7 +80,7 @@ fn control_packet(command: &Command, next: Option<u64>, key: Option<&Key>) -> Ve
     out
 }
 
-fn sensing_packet(sensed: &Sensed) -> Vec<u8> {
+fn sensing_packet(sensed: &SensorReadings) -> Vec<u8> {
     let mut out = Vec::new();
     wire::begin(&Header { kind: Kind::Sensing, ..CONTROL }, &mut out);
     let set = write_sensing(sensed, &mut out);
@@ -90,7 +90,7 @@ fn sensing_packet(sensed: &Sensed) -> Vec<u8> {
 }
 
 #[test]
-fn control_comes_back_to_the_last_bit() {
+fn control_round_trips_bit_for_bit() {
     let model = model();
     let mut stream = Stream::new(1, &["wire"]);
     for key in [None, Some(key())] {
@@ -98,7 +98,7 @@ fn control_comes_back_to_the_last_bit() {
             let command = command(&model, &mut stream);
             let packet = control_packet(&command, next, key.as_ref());
             let (header, body) = wire::open(&packet, key.as_ref()).unwrap();
-            let set = if key.is_some() { flags::SEALED } else { 0 };
+            let set = if key.is_some() { flags::AUTHENTICATED } else { 0 };
             assert_eq!(header, Header { flags: set, ..CONTROL });
             let mut read = Command::hold(&model, &model.home);
             assert_eq!(read_control(body, &mut read), Ok(next));
@@ -108,21 +108,21 @@ fn control_comes_back_to_the_last_bit() {
 }
 
 #[test]
-fn sensing_comes_back_to_the_last_bit() {
+fn sensing_round_trips_bit_for_bit() {
     let model = model();
     let mut stream = Stream::new(2, &["wire"]);
     for (base, vertices) in [(false, false), (true, false), (false, true), (true, true)] {
-        let wanted = sensed(&model, &mut stream, base, vertices);
-        let packet = sensing_packet(&wanted);
+        let expected = sensed(&model, &mut stream, base, vertices);
+        let packet = sensing_packet(&expected);
         let (header, body) = wire::open(&packet, None).unwrap();
-        let mut read = Sensed::blank(&model);
+        let mut read = SensorReadings::blank(&model);
         read_sensing(&header, body, &mut read).unwrap();
-        assert_eq!(read, wanted);
+        assert_eq!(read, expected);
     }
 }
 
 #[test]
-fn greetings_come_back() {
+fn hello_and_welcome_round_trip() {
     let robot = fingerprint(&model());
     let (hello, welcome) = (Hello { robot, rate: 500.0 }, Welcome { answers: 9, robot, rate: 500.0, pace: 0.5 });
     let (mut a, mut b) = (Vec::new(), Vec::new());
@@ -130,47 +130,47 @@ fn greetings_come_back() {
     welcome.write(&mut b);
     assert_eq!((Hello::read(&a), Welcome::read(&b)), (Ok(hello), Ok(welcome)));
     let longer = [&a[..], &[0]].concat();
-    assert_eq!(Hello::read(&longer), Err(Refused::Length));
+    assert_eq!(Hello::read(&longer), Err(Rejection::Length));
     for cut in 0..a.len() {
-        assert_eq!(Hello::read(&a[..cut]), Err(Refused::Length));
+        assert_eq!(Hello::read(&a[..cut]), Err(Rejection::Length));
     }
     for cut in 0..b.len() {
-        assert_eq!(Welcome::read(&b[..cut]), Err(Refused::Length));
+        assert_eq!(Welcome::read(&b[..cut]), Err(Rejection::Length));
     }
 }
 
-/// Every length but the right one is refused, whether the packet says so of itself or not.
+/// Rejects every wrong length, whether the header states the true length or not.
 #[test]
-fn what_is_cut_or_padded_is_refused() {
+fn rejects_truncated_and_padded_packets() {
     let model = model();
     let mut stream = Stream::new(3, &["wire"]);
     let control = control_packet(&command(&model, &mut stream), Some(1), None);
     let sensing = sensing_packet(&sensed(&model, &mut stream, true, true));
     let mut command = Command::hold(&model, &model.home);
-    let mut blank = Sensed::blank(&model);
+    let mut blank = SensorReadings::blank(&model);
     for packet in [&control, &sensing] {
         for length in (0..packet.len()).chain([packet.len() + 1, packet.len() + 8]) {
             let mut changed = packet.clone();
             changed.resize(length, 0);
-            assert_eq!(wire::open(&changed, None), Err(Refused::Length), "{length}");
+            assert_eq!(wire::open(&changed, None), Err(Rejection::Length), "{length}");
             if length < HEADER {
                 continue;
             }
-            // It lies about its length as well.
+            // The header states the wrong length as well.
             changed[8..12].copy_from_slice(&(length as u32).to_le_bytes());
             let (header, body) = wire::open(&changed, None).unwrap();
-            let refused = match header.kind {
+            let result = match header.kind {
                 Kind::Control => read_control(body, &mut command).map(|_| ()),
                 _ => read_sensing(&header, body, &mut blank),
             };
-            // Zeros in the place of what was cut may be refused for what they are.
-            assert!(matches!(refused, Err(Refused::Length | Refused::Value)), "{length}: {refused:?}");
+            // Zeros in place of the removed bytes may also be invalid values.
+            assert!(matches!(result, Err(Rejection::Length | Rejection::Value)), "{length}: {result:?}");
         }
     }
 }
 
 #[test]
-fn what_is_no_packet_says_why() {
+fn invalid_headers_have_the_right_error() {
     let model = model();
     let packet = control_packet(&command(&model, &mut Stream::new(4, &["wire"])), None, None);
     let with = |at: usize, bytes: &[u8]| {
@@ -178,21 +178,21 @@ fn what_is_no_packet_says_why() {
         changed[at..at + bytes.len()].copy_from_slice(bytes);
         wire::open(&changed, None).map(|_| ())
     };
-    assert_eq!(with(0, b"STIC"), Err(Refused::Foreign));
-    assert_eq!(with(4, &(VERSION + 1).to_le_bytes()), Err(Refused::Version));
-    assert_eq!(with(6, &[0]), Err(Refused::Foreign));
-    assert_eq!(with(6, &[6]), Err(Refused::Foreign));
-    assert_eq!(with(7, &[64]), Err(Refused::Value), "a flag that there is not");
-    assert_eq!(with(12, &[1]), Err(Refused::Value), "zero that is none");
-    assert_eq!(with(40, &f64::NAN.to_le_bytes()), Err(Refused::Value));
-    assert_eq!(with(40, &f64::INFINITY.to_le_bytes()), Err(Refused::Value));
-    assert_eq!(wire::open(b"", None), Err(Refused::Length));
-    assert_eq!(wire::open(b"GET / HTTP/1.1\r\n", None), Err(Refused::Foreign));
+    assert_eq!(with(0, b"STIC"), Err(Rejection::Foreign));
+    assert_eq!(with(4, &(VERSION + 1).to_le_bytes()), Err(Rejection::Version));
+    assert_eq!(with(6, &[0]), Err(Rejection::Foreign));
+    assert_eq!(with(6, &[6]), Err(Rejection::Foreign));
+    assert_eq!(with(7, &[64]), Err(Rejection::Value), "an unknown flag");
+    assert_eq!(with(12, &[1]), Err(Rejection::Value), "a reserved field");
+    assert_eq!(with(40, &f64::NAN.to_le_bytes()), Err(Rejection::Value));
+    assert_eq!(with(40, &f64::INFINITY.to_le_bytes()), Err(Rejection::Value));
+    assert_eq!(wire::open(b"", None), Err(Rejection::Length));
+    assert_eq!(wire::open(b"GET / HTTP/1.1\r\n", None), Err(Rejection::Foreign));
 }
 
-/// A number in the place of each other one; what must not be negative is refused when it is.
+/// Replaces each number by an invalid one; only gains must not be negative.
 #[test]
-fn numbers_that_cannot_stand_there_are_refused() {
+fn rejects_invalid_numbers() {
     let model = model();
     let n = model.nj();
     let packet = control_packet(&command(&model, &mut Stream::new(5, &["wire"])), None, None);
@@ -204,21 +204,21 @@ fn numbers_that_cannot_stand_there_are_refused() {
             changed[first + 8 * number..first + 8 * number + 8].copy_from_slice(&bad.to_le_bytes());
             let (_, body) = wire::open(&changed, None).unwrap();
             let gain = number >= 3 * n;
-            let wanted = if bad.is_finite() && !gain { Ok(None) } else { Err(Refused::Value) };
-            assert_eq!(read_control(body, &mut read), wanted, "{number} {bad}");
+            let expected = if bad.is_finite() && !gain { Ok(None) } else { Err(Rejection::Value) };
+            assert_eq!(read_control(body, &mut read), expected, "{number} {bad}");
         }
     }
     let mut changed = packet.clone();
     changed[HEADER + 12] = 5;
-    assert_eq!(read_control(wire::open(&changed, None).unwrap().1, &mut read), Err(Refused::Value), "a mode");
+    assert_eq!(read_control(wire::open(&changed, None).unwrap().1, &mut read), Err(Rejection::Value), "a mode");
     let other = model.nj() as u32 + 1;
     let mut changed = packet;
     changed[HEADER + 8..HEADER + 12].copy_from_slice(&other.to_le_bytes());
-    assert_eq!(read_control(wire::open(&changed, None).unwrap().1, &mut read), Err(Refused::Length), "joints");
+    assert_eq!(read_control(wire::open(&changed, None).unwrap().1, &mut read), Err(Rejection::Length), "joints");
 }
 
 #[test]
-fn a_quaternion_that_is_no_turn_is_refused() {
+fn rejects_quaternions_that_are_not_unit() {
     let model = model();
     let mut stream = Stream::new(6, &["wire"]);
     let packet = sensing_packet(&sensed(&model, &mut stream, true, true));
@@ -228,36 +228,41 @@ fn a_quaternion_that_is_no_turn_is_refused() {
         let mut changed = packet.clone();
         changed[at..at + 8].copy_from_slice(&1.5f64.to_le_bytes());
         let (header, body) = wire::open(&changed, None).unwrap();
-        assert_eq!(read_sensing(&header, body, &mut Sensed::blank(&model)), Err(Refused::Value));
+        assert_eq!(read_sensing(&header, body, &mut SensorReadings::blank(&model)), Err(Rejection::Value));
     }
 }
 
-/// With a key, one changed bit anywhere is one too many, as is no seal, or that of another key.
+/// With a key, rejects a packet with any changed bit, without a tag, or with the tag of another
+/// key.
 #[test]
-fn seals_hold() {
+fn authentication_detects_every_change() {
     let model = model();
     let command = command(&model, &mut Stream::new(7, &["wire"]));
     let (key, other) = (key(), Key::of(b"another secret of some length").unwrap());
-    let sealed = control_packet(&command, None, Some(&key));
-    assert!(wire::open(&sealed, Some(&key)).is_ok());
-    for bit in 0..8 * sealed.len() {
-        let mut changed = sealed.clone();
+    let authenticated = control_packet(&command, None, Some(&key));
+    assert!(wire::open(&authenticated, Some(&key)).is_ok());
+    for bit in 0..8 * authenticated.len() {
+        let mut changed = authenticated.clone();
         changed[bit / 8] ^= 1 << (bit % 8);
         assert!(wire::open(&changed, Some(&key)).is_err(), "bit {bit}");
     }
-    assert_eq!(wire::open(&sealed, Some(&other)), Err(Refused::Seal));
-    assert_eq!(wire::open(&sealed, None), Err(Refused::Seal), "who has no key does not read what is sealed");
-    assert_eq!(wire::open(&control_packet(&command, None, None), Some(&key)), Err(Refused::Seal));
+    assert_eq!(wire::open(&authenticated, Some(&other)), Err(Rejection::Tag));
+    assert_eq!(
+        wire::open(&authenticated, None),
+        Err(Rejection::Tag),
+        "a receiver without the key rejects authenticated packets"
+    );
+    assert_eq!(wire::open(&control_packet(&command, None, None), Some(&key)), Err(Rejection::Tag));
     assert!(Key::of(b"fifteen bytes..").is_none() && Key::of(b"sixteen bytes...").is_some());
 }
 
-/// Bytes that a stream of random numbers made, with and without the beginning of a packet: nothing is believed, nothing breaks.
+/// Random bytes, with and without a valid header: the reader may reject them but must not panic.
 #[test]
-fn noise_is_refused() {
+fn random_bytes_do_not_panic() {
     let model = model();
     let mut stream = Stream::new(8, &["wire"]);
     let valid = sensing_packet(&sensed(&model, &mut stream, true, true));
-    let mut blank = Sensed::blank(&model);
+    let mut blank = SensorReadings::blank(&model);
     let mut command = Command::hold(&model, &model.home);
     for round in 0..20_000 {
         let mut bytes: Vec<u8> = if round % 2 == 0 {
@@ -283,22 +288,22 @@ fn noise_is_refused() {
     }
 }
 
-/// Flags of sensing mean nothing on other packets.
+/// Rejects flags of sensing on other packets.
 #[test]
-fn flags_are_those_of_the_kind() {
+fn rejects_flags_of_another_kind() {
     let model = model();
     let mut stream = Stream::new(9, &["wire"]);
     let packet = control_packet(&command(&model, &mut stream), None, None);
     for flag in [flags::BASE, flags::VERTICES, flags::LAST] {
         let mut other = packet.clone();
         other[7] |= flag;
-        assert_eq!(wire::open(&other, None), Err(Refused::Value), "{flag}");
+        assert_eq!(wire::open(&other, None), Err(Rejection::Value), "{flag}");
     }
     assert!(wire::open(&packet, None).is_ok());
 }
 
 #[test]
-fn robots_are_told_apart() {
+fn fingerprints_of_different_robots_differ() {
     let hoap2 = model();
     let mut other = hoap2.clone();
     other.joints[3].name.push('x');

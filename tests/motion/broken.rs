@@ -1,4 +1,4 @@
-//! Broken motions: refused with file, line and column, the value found and the value expected.
+//! Broken motions are refused with file, line and column, the value found and the value expected.
 
 use super::Folder;
 
@@ -10,7 +10,7 @@ const POSTURE: &str =
     "[[posture]]\nat = 0\njoints = { left_knee = 0.5 }\n[[posture]]\nat = 1\njoints = { left_knee = 0.6 }\n";
 
 const TABLE: &[Broken] = &[
-    // The file against itself.
+    // The file by itself.
     Broken("m.toml", "[[posture]]\nat = 0\njoint = {}\n", "", "m.toml:3:1", "unknown field `joint`"),
     Broken("m.toml", "[[posture]]\nat = -1\njoints = { left_knee = 0.5 }\n", "", "m.toml:2:6", "0 or greater, not -1"),
     Broken("m.toml", "[[posture]]\nat = 1979-05-27\n", "", "m.toml:2:6", "the date or time 1979-05-27, expected f64"),

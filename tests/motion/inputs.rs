@@ -1,4 +1,4 @@
-//! Files that a scenario names in addition to its robot are part of the run.
+//! Files named by a scenario, in addition to its robot, are part of the run.
 
 use super::{Folder, PENDULUM};
 use crate::cli::Place;

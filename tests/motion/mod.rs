@@ -18,9 +18,9 @@ use stiction::robot;
 use stiction::scenario::{self, Diagnostics, Run};
 use stiction::sim::{Metrics, Simulation};
 use stiction::task::server::TickInput;
-use stiction::task::{Command, Sensed};
+use stiction::task::{Command, SensorReadings};
 
-/// A folder with the files of a scenario.
+/// A temporary folder with the files of a scenario.
 pub struct Folder(tempfile::TempDir);
 
 impl Folder {
@@ -37,15 +37,15 @@ impl Folder {
         self.0.path()
     }
 
-    /// The only run of a scenario in it, given as text; `ROBOTS` stands for the tree's folder of
-    /// robots.
+    /// The only run of a scenario in the folder, given as text; `ROBOTS` stands for the
+    /// repository's folder of robots.
     pub fn run(&self, text: &str) -> Result<Run, Diagnostics> {
         let robots = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots");
         let text = text.replace("ROBOTS", robots.to_str().unwrap());
         Ok(scenario::parse(&self.path().join("s.toml"), text)?.expand(&[])?.remove(0))
     }
 
-    /// What is wrong with a scenario, whatever finds it.
+    /// The error of a scenario, from any stage of loading.
     pub fn refused(&self, text: &str) -> Diagnostics {
         let run = match self.run(text) {
             Ok(run) => run,
@@ -87,7 +87,7 @@ pub struct TickCommand {
 pub fn commands(folder: &Folder, text: &str) -> Vec<TickCommand> {
     let run = folder.run(text).unwrap_or_else(|e| panic!("{e}"));
     let mut setup = assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
-    let (mut state, sensed) = (State::home(&setup.model), Sensed::blank(&setup.model));
+    let (mut state, sensed) = (State::home(&setup.model), SensorReadings::blank(&setup.model));
     let ticks = (run.scenario.duration * run.scenario.control.rate).round() as usize;
     let tick = |k: usize| {
         state.time = k as f64 / run.scenario.control.rate;
@@ -140,7 +140,7 @@ fn nothing_is_allocated_at_a_tick() {
     );
     let run = folder.run(&text).unwrap_or_else(|e| panic!("{e}"));
     let mut setup = assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
-    let (mut state, sensed) = (State::home(&setup.model), Sensed::blank(&setup.model));
+    let (mut state, sensed) = (State::home(&setup.model), SensorReadings::blank(&setup.model));
     let mut tick = |k: usize| {
         state.time = k as f64 / run.scenario.control.rate;
         let now = TickInput {

@@ -1,4 +1,4 @@
-//! Goals outside joints' ranges, joints that do not listen, and swings too fast for ticks.
+//! Goals outside joints' ranges, joints that ignore commands, and swings too fast for the ticks.
 
 use super::{Folder, PENDULUM, TickCommand, commands, robot_of, unsteadiness};
 use stiction::assemble;
@@ -35,19 +35,19 @@ fn goals_are_within_ranges() {
     );
     let start = HOAP.replace("hoap2.toml\"", "hoap2.toml\", posture = { left_knee = 3.0 }");
     refused(&start, &format!("the initial posture `left_knee` = 3.0000 rad {range}"));
-    // Where there are no end stops there is no range.
+    // Without end stops there is no range.
     let free = HOAP.replace("hoap2.toml\"", "hoap2.toml\", joint_limits = \"ignore\", posture = { left_knee = 3.0 }");
     notes(&format!("{free}{}{}", posture("5.0"), sine("amplitude = 5")));
     // At a limit, in degrees.
     notes(&format!("{HOAP}{}", posture("\"130 deg\"")));
-    // Where the middle is known only when it begins.
+    // The middle is known only when the task begins.
     let text = format!("{HOAP}{}", sine("amplitude = 1.1"));
     let run = Folder::with(&[]).run(&text).unwrap();
     let setup = assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
     let mut sim = stiction::sim::Simulation::new(setup).unwrap_or_else(|e| panic!("{e}"));
     let (outcome, expected) = sim.run(&mut stiction::sim::NullObserver, &std::sync::atomic::AtomicBool::new(false));
     assert_eq!(outcome, stiction::sim::Outcome::Error);
-    assert!(expected.contains("a swing of `left_knee` of 1.1000 about"), "{expected}");
+    assert!(expected.contains("the oscillation of `left_knee`, 1.1000 about"), "{expected}");
 }
 
 #[test]
@@ -69,20 +69,20 @@ fn ignored_commands_are_reported() {
 fn a_loop_that_starts_late_starts_at_its_beginning() {
     let folder = Folder::with(&[("m.csv", "time,elbow\n0.5,0.2\n0.8,0.5\n1.2,-0.1\n1.5,0.2\n")]);
     let text = format!("{PENDULUM}[[task]]\ntype = \"playback\"\nfile = \"m.csv\"\nloop = true\nblend = 0.3\n");
-    let recorded: Vec<TickCommand> = commands(&folder, &text);
-    let (apart, step) = unsteadiness(&recorded, 1, &[]);
-    // Speeds of some 3 rad/s that change over within 0.1 s, in ticks of 1 ms; the third derivative
-    // of the fade.
+    let commanded: Vec<TickCommand> = commands(&folder, &text);
+    let (apart, step) = unsteadiness(&commanded, 1, &[]);
+    // Speeds of some 3 rad/s that change within 0.1 s, in ticks of 1 ms; the third derivative of
+    // the fade.
     assert!(apart < 1e-2 && step < 0.1, "{apart} {step}");
-    assert!((recorded[1200].position[1] + 0.1).abs() < 1e-12 && (recorded[2200].position[1] + 0.1).abs() < 1e-12);
+    assert!((commanded[1200].position[1] + 0.1).abs() < 1e-12 && (commanded[2200].position[1] + 0.1).abs() < 1e-12);
 }
 
 #[test]
 fn a_byte_order_mark_is_not_part_of_a_name() {
     let text = format!("{PENDULUM}[[task]]\ntype = \"playback\"\nfile = \"m.csv\"\n");
     let table = "\u{feff}time,elbow\n0,0\n1,0.5\n";
-    let recorded = commands(&Folder::with(&[("m.csv", table)]), &text);
-    assert!((recorded[2000].position[1] - 0.5).abs() < 1e-12);
+    let commanded = commands(&Folder::with(&[("m.csv", table)]), &text);
+    assert!((commanded[2000].position[1] - 0.5).abs() < 1e-12);
 }
 
 #[test]

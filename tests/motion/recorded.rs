@@ -1,4 +1,4 @@
-//! Motions out of logs: what a run did is played again.
+//! Motions from logs: playback of a recorded run.
 
 use crate::cli::Place;
 use std::path::Path;
@@ -56,9 +56,9 @@ fn a_logged_run_can_be_replayed_as_a_motion() {
     place.runner(&["again.toml"]).exits(0);
     let again = Trajectory::read(&place.path(&format!("{}/log.mcap", folder(&place, "again")))).unwrap();
     // Commanded positions are those logged, to the last bits; velocities are the curve's. They
-    // differ at the two ends of the bend, where its jerk jumps by 60 * 20 deg / (1 s)^3: by less
-    // than 21 h^2 rad/s for a few ms, h = 1 ms, which a servo with kd/kp = 0.04 s turns into less
-    // than 1e-6 rad for a moment.
+    // differ at the two ends of the bend, where its jerk jumps by 60 * 20 deg / (1 s)^3. The
+    // difference is less than 21 h^2 rad/s for a few ms, h = 1 ms. A servo with kd/kp = 0.04 s
+    // turns it into less than 1e-6 rad for a moment.
     let (joints, height) = apart(&first, &again);
     assert!(joints > 0.0 && joints < 1e-8, "{joints}");
     assert!(height < 1e-8, "{height}");
@@ -78,7 +78,7 @@ fn an_exported_table_plays_like_its_log() {
     place.runner(&["log.toml", "table.toml"]).exits(0);
     let read = |name: &str| Trajectory::read(&place.path(&format!("{}/log.mcap", folder(&place, name)))).unwrap();
     assert_eq!(read("log").motion, read("table").motion, "to the last bit");
-    // The table is a text and stands in the log, a log itself does not.
+    // The log stores the text of the table, but does not store another log.
     let attached = |name: &str| read(name).attachments.iter().map(|a| a.name.clone()).collect::<Vec<_>>();
     assert_eq!(attached("table"), ["table.toml", "hoap2.toml", "hoap2.urdf", "bend.csv"]);
     assert_eq!(attached("log"), ["log.toml", "hoap2.toml", "hoap2.urdf"]);
@@ -104,7 +104,7 @@ fn measured_positions_can_be_played() {
     for (a, b) in first.joints.iter().zip(&again.joints) {
         let rows = 40..300;
         let late = rows.clone().map(|i| (a.position[i] - b.desired_position[i]).abs()).fold(0.0, f64::max);
-        // The curve passes through its knots, but for rounding.
+        // The curve passes through its knots, up to rounding.
         assert!(late < 1e-13, "{}: {late}", a.name);
     }
 }
@@ -126,5 +126,5 @@ fn logs_that_cannot_be_played_are_refused() {
     assert!(output.contains("cut short") && output.contains("b.toml:6:8"), "{output}");
     place.write("no.mcap", "time,a\n0,1\n");
     place.write("c.toml", play("no.mcap"));
-    assert!(place.runner(&["check", "c.toml"]).exits(2).stderr.contains("no log of this program"));
+    assert!(place.runner(&["check", "c.toml"]).exits(2).stderr.contains("not a log of this program"));
 }

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Reads a log.mcap with independent libraries and checks that it holds together.
+"""Reads a log.mcap with independent libraries and checks its consistency.
 
     pip install -r requirements.txt
     python check_log.py results/*/*/log.mcap
 
-Every message of every topic is decoded by the schema in the file. Checked: log times, counts, finite numbers, unit
-quaternions, a frame for every link of the attached URDF, and that topics with the same data agree. Exit code 1
-when something is wrong, 2 when a file cannot be read.
+The script decodes every message of every topic by the schema in the file. It checks log times,
+counts, finite numbers, unit quaternions, a frame for every link of the attached URDF, and that
+topics with the same data agree. Exit code 1 for an inconsistent log, 2 for an unreadable file.
 """
 
 import json
@@ -29,7 +29,7 @@ POSE = 1e-9
 
 
 class Checks:
-    """Collects errors; prints each kind a few times only."""
+    """Collects errors; prints each kind only a few times."""
 
     def __init__(self):
         self.wrong = defaultdict(int)
@@ -57,7 +57,7 @@ def distance(a, b):
 
 
 def rotate(q, v):
-    """v turned by the unit quaternion q = (w, x, y, z)."""
+    """v rotated by the unit quaternion q = (w, x, y, z)."""
     w, x, y, z = q
     vx, vy, vz = v
     tx, ty, tz = 2 * (y * vz - z * vy), 2 * (z * vx - x * vz), 2 * (x * vy - y * vx)
@@ -135,11 +135,11 @@ def check_residual(residual, contact, check):
     error = math.fsum([r.energy_change, *(-x for x in gains), *losses])
     size = sum(map(abs, (r.energy_change, *gains, *losses)))
     check(abs(error - r.energy_error) <= 1e-14 * size, "/residual: energies do not add up")
-    # The same from /contact: speeds of static vertices. /residual has the tangential part, this is the whole.
+    # The speeds of static vertices from /contact, whole; /residual has their tangential part.
     sticking = [s for s in contact.soles if s.state.endswith("static")]
     speeds = [math.hypot(*xyz(v)) for s in sticking for v, on in zip(s.velocities, s.clamped) if on]
     pivots = any(s.state.endswith("dynamic") for s in contact.soles)
-    check(pivots or r.creep_speed <= max(speeds, default=0) * (1 + 1e-12), "/residual: creep faster than /contact says")
+    check(pivots or r.creep_speed <= max(speeds, default=0) * (1 + 1e-12), "/residual: creep faster than in /contact")
 
 
 def check_state(state, joints, check):
@@ -161,7 +161,7 @@ def check_state(state, joints, check):
 
 
 def inside(point, corners, normal):
-    """Distance from the sides of a convex polygon, negative outside; what is off the plane does not count."""
+    """Distance from the sides of a convex polygon, negative outside; ignores the distance from the plane."""
     least = math.inf
     for a, b in zip(corners, corners[1:] + corners[:1]):
         along = [y - x for x, y in zip(a, b)]

@@ -3,9 +3,15 @@
 
     check_messages.py MESSAGES JUNIT SCHEMA RUNS
 
-Checked: every line is a message as the schema has it (by the package `jsonschema` if it is installed, else that its event is known
-and its required fields are there), the batch begins and ends, RUNS runs other than references are reported and have a case each, and the two
-agree on which of them did not end as they should. The Python standard library is enough.
+Checked:
+
+- every line is a message of the schema: by the package `jsonschema` if it is installed, otherwise
+  only that its event is known and its required fields are present;
+- the batch begins and ends;
+- RUNS runs other than references are reported and have a case each;
+- both files agree on the runs that failed.
+
+The Python standard library is enough.
 """
 
 import json
@@ -47,7 +53,7 @@ def validator(schema):
 def main(messages, junit, schema, runs):
     problem, how = validator(json.loads(Path(schema).read_text()))
     lines = [json.loads(line) for line in Path(messages).read_text().splitlines()]
-    wrong = [said for said in map(problem, lines) if said]
+    wrong = [error for error in map(problem, lines) if error]
     events = [line["event"] for line in lines]
     if "batch-started" not in events or events[-1] != "batch-finished":
         wrong.append("the batch does not begin or does not end")

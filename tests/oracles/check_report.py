@@ -3,8 +3,9 @@
 
     check_report.py REPORT.html...
 
-The browser is $CHROMIUM, or the first of chromium, chromium-browser, google-chrome that is installed; without one nothing
-is checked, and it says so. The Python standard library is enough.
+The browser is $CHROMIUM, or the first of chromium, chromium-browser, google-chrome that is
+installed; without one the script prints that it checks nothing. The Python standard library is
+enough.
 """
 
 import os
@@ -15,7 +16,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-# The picture of a rendered page has some kilobytes, of an empty one less than five.
+# The screenshot of a rendered page is larger than five kilobytes, that of an empty page smaller.
 DRAWN = 20_000
 
 
@@ -48,8 +49,8 @@ def check(program, page):
         for scheme in ["light", "dark"]:
             picture, log = place / f"{scheme}.png", place / f"{scheme}.json"
             dark = ["--blink-settings=preferredColorScheme=0"] if scheme == "dark" else []
-            _, said = run(program, page, place, f"--screenshot={picture}", f"--log-net-log={log}", *dark)
-            wrong += [f"{scheme}, console: {line}" for line in said.splitlines() if "CONSOLE" in line]
+            _, stderr_text = run(program, page, place, f"--screenshot={picture}", f"--log-net-log={log}", *dark)
+            wrong += [f"{scheme}, console: {line}" for line in stderr_text.splitlines() if "CONSOLE" in line]
             if not picture.exists() or picture.stat().st_size < DRAWN:
                 wrong.append(f"{scheme}: nothing to see")
             wrong += [f"{scheme}, requested {url}" for url in requests(log) if url != page.as_uri()]

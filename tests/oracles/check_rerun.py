@@ -4,9 +4,10 @@
     pip install rerun-sdk==0.41.0
     check_rerun.py results/*/*/log.mcap
 
-The program is $RERUN, or `rerun` where that is installed; without it nothing is checked, and it says so. The Python standard
-library is enough. Rerun draws the frames and the URDF, makes curves of the joint states, and keeps what it does not know as
-fields; so every topic must be there again under its name, and every link of the URDF that is to be seen as geometry.
+The program is $RERUN, or `rerun` if it is installed; without it the script prints that it checks
+nothing. The Python standard library is enough. Rerun draws the frames and the URDF, converts the
+joint states to curves, and stores unknown messages as fields. Every topic must therefore be present
+under its name, and every visible link of the URDF must be present as geometry.
 """
 
 import os
@@ -24,12 +25,12 @@ CURVES = ["/joint_states/position", "/joint_states/velocity", "/joint_states/eff
 def rerun(program, *arguments):
     """Runs Rerun; returns exit code, output, standard error and lines with warnings."""
     done = subprocess.run([program, *arguments], capture_output=True, text=True, timeout=600)
-    said = re.sub(r"\x1b\[[0-9;]*m", "", done.stderr)
-    return done.returncode, re.sub(r"\x1b\[[0-9;]*m", "", done.stdout), said, [line for line in said.splitlines() if re.search(r"\b(WARN|ERROR)\b", line)]
+    stderr_text = re.sub(r"\x1b\[[0-9;]*m", "", done.stderr)
+    return done.returncode, re.sub(r"\x1b\[[0-9;]*m", "", done.stdout), stderr_text, [line for line in stderr_text.splitlines() if re.search(r"\b(WARN|ERROR)\b", line)]
 
 
 def rows(table):
-    """Topic -> whether it is good and how many chunks it has, of the table that `mcap check` prints."""
+    """Topic -> whether it is good and its number of chunks, from the table printed by `mcap check`."""
     found = {}
     for line in table.splitlines():
         cells = re.match(r"(\S+)\s+\d+\s+(\d+)\s+(/\S+)\s+(.*)", line)
@@ -39,7 +40,7 @@ def rows(table):
 
 
 def visible_links(log):
-    """Links with something to be seen, of the URDF in the log: attachments of ours are not compressed."""
+    """Links with visible geometry, of the URDF in the log: our attachments are not compressed."""
     text = Path(log).read_bytes()
     end = text.rfind(b"</robot>")
     begin = text.rfind(b"<robot", 0, end)
@@ -53,17 +54,17 @@ def visible_links(log):
 def check(program, log, place):
     """Errors of a log, as text, and its numbers of topics and entities."""
     wrong = []
-    code, table, said, _ = rerun(program, "mcap", "check", log)
+    code, table, stderr_text, _ = rerun(program, "mcap", "check", log)
     topics = rows(table)
     if code != 0 or not topics:
-        return [f"check: {said.strip() or table.strip()}"], 0, 0
+        return [f"check: {stderr_text.strip() or table.strip()}"], 0, 0
     wrong += [f"check, {topic}: {state} {issues}" for topic, (state, issues) in topics.items() if state != "ok" or issues != "—"]
     converted = place / "log.rrd"
-    code, _, said, complaints = rerun(program, "mcap", "convert", log, "-o", converted, "--application-id", "stiction", "--timeline-type", "duration")
+    code, _, stderr_text, complaints = rerun(program, "mcap", "convert", log, "-o", converted, "--application-id", "stiction", "--timeline-type", "duration")
     wrong += [f"convert: {line}" for line in complaints]
     if code != 0 or not converted.exists():
-        return [*wrong, f"convert: exit code {code}: {said.strip()}"], len(topics), 0
-    entities = set(re.findall(r"^\s+(/\S+),$", said, re.MULTILINE))
+        return [*wrong, f"convert: exit code {code}: {stderr_text.strip()}"], len(topics), 0
+    entities = set(re.findall(r"^\s+(/\S+),$", stderr_text, re.MULTILINE))
     if not entities:
         wrong.append("convert: it does not say what it found")
     expected = set(topics) | (set(CURVES) if "/joint_states" in topics else set())
@@ -85,7 +86,7 @@ def main(logs):
     if program is None:
         print("skipped: no rerun")
         return 0
-    # Without this it sends usage data.
+    # Without this option Rerun sends usage data.
     home = tempfile.mkdtemp()
     os.environ.update(HOME=home, XDG_CONFIG_HOME=home, XDG_DATA_HOME=home, XDG_CACHE_HOME=home)
     rerun(program, "analytics", "disable")

@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""Plays runs in headless Chromium: `runner view` as a file and as a server, tried by its own slider, buttons and keys.
+"""Plays runs in headless Chromium: `runner view` as a file and as a server, driven by its own slider, buttons and keys.
 
     check_view.py RUNNER LOG|RUN-FOLDER... [--pictures FOLDER]
 
-Checked: nothing on the console, no request but to the page itself, a picture that is not empty, a slider that moves the
-robot to where the log has it, keys, events, playing, speed, legend, marks, styles and the robot's own view. With
-`--pictures` a screenshot of each run, at its middle, is left to be looked at.
+Checked: an empty console, no request except to the page itself, a non-empty picture, a slider that
+moves the robot to its logged pose, keys, events, playing, speed, legend, marks, styles and the
+robot's own view. With `--pictures` the script stores a screenshot of each run, at its middle.
 
-The browser is $CHROMIUM, or the first of chromium, chromium-browser, google-chrome that is installed; without one nothing
-is checked, and it says so. The Python standard library is enough.
+The browser is $CHROMIUM, or the first of chromium, chromium-browser, google-chrome that is
+installed; without one the script prints that it checks nothing. The Python standard library is
+enough.
 """
 
 import json
@@ -22,7 +23,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 from check_report import browser, requests  # noqa: E402
 
-# Software rendering, so that a machine without a graphics processor checks the same.
+# Software rendering, so that machines without a graphics processor give the same result.
 OPTIONS = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--no-first-run", "--disable-background-networking",
            "--disable-component-update", "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
            "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1", "--enable-logging=stderr", "--v=0",
@@ -32,7 +33,7 @@ OPTIONS = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--no-fi
 PROBE = r"""
 ready.then(async () => {
   const wrong = [];
-  const check = (holds, words) => holds || wrong.push(words);
+  const check = (holds, text) => holds || wrong.push(text);
   const id = (name) => document.getElementById(name);
   const { clock, replay, shapes, marks } = viewer;
   const last = replay.times.length - 1;
@@ -108,15 +109,15 @@ ready.then(async () => {
   check(legend.length === 7, `${legend.length} entries in the legend`);
   const painted = new Map(legend.map((li) => [li.textContent, getComputedStyle(li.firstChild).backgroundColor]));
   check(new Set(painted.values()).size === 7, "two states of one colour");
-  for (const words of ["free", "face, static", "edge, static", "vertex, static", "face, dynamic", "edge, dynamic", "vertex, dynamic"])
-    check(painted.has(words), `no ${words} in the legend`);
+  for (const text of ["free", "face, static", "edge, static", "vertex, static", "face, dynamic", "edge, dynamic", "vertex, dynamic"])
+    check(painted.has(text), `no ${text} in the legend`);
   for (const [s, sole] of (replay.soles ?? []).entries()) {
     for (const [code, state] of sole.states.entries()) {
       put("slider", sole.state.indexOf(code), "input");
       const row = document.querySelectorAll("#soles tr")[s];
-      const words = state.replace(/-\d+/, "").replace("-", ", ");
+      const text = state.replace(/-\d+/, "").replace("-", ", ");
       check(row.textContent.includes(state), `${sole.name}: ${row.textContent} instead of ${state}`);
-      check(getComputedStyle(row.querySelector(".swatch")).backgroundColor === painted.get(words), `${state} has another colour than the legend`);
+      check(getComputedStyle(row.querySelector(".swatch")).backgroundColor === painted.get(text), `${state} has another colour than the legend`);
     }
   }
 

@@ -72,7 +72,7 @@ fn distances_and_depths_agree_with_coal() {
     println!("worst errors: {worst:?} m");
 }
 
-/// The same with more postures than the repository holds; see `make_collision.py`.
+/// The same with more postures than the repository stores; see `make_collision.py`.
 #[test]
 #[ignore = "needs a file made by make_collision.py, named by COLLISION_ORACLE"]
 fn many_postures() {

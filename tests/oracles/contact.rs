@@ -1,12 +1,12 @@
 //! Compares the exact method with Pinocchio's ADMM contact solver on problems of real runs.
 //!
 //! `make_contact.py` records the problems: impacts, time steps, and soles at rest that hold or
-//! begin to slip. It says which problems are comparable and when their solution is unique. The
-//! resultant wrench of each sole is compared.
+//! begin to slip. It documents which problems are comparable and when their solution is unique. The
+//! test compares the resultant wrench of each sole.
 
 use serde::Deserialize;
 use std::collections::BTreeSet;
-use stiction::contact::selection_record::{Answer, SelectionRecord};
+use stiction::contact::selection_record::{SelectionRecord, SelectionResult};
 
 #[derive(Deserialize)]
 struct Oracle {
@@ -35,7 +35,7 @@ fn oracles() -> [Oracle; 2] {
 const BOUND: f64 = 1e-8;
 
 /// Greatest distance between wrenches over the greatest force, moments over the soles' radii.
-fn distance(problem: &Problem, answer: &Answer) -> f64 {
+fn distance(problem: &Problem, answer: &SelectionResult) -> f64 {
     let length = |i: usize| if i % 6 < 3 { 1.0 } else { problem.selection.soles[i / 6].radius_m };
     let largest =
         |w: &mut dyn Iterator<Item = f64>| w.fold(0.0, |a: f64, x| if x.is_nan() { x } else { a.max(x.abs()) });

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use stiction::dynamics::State;
 use stiction::geometry::Plane;
 use stiction::robot::{EndEffector, JointId, Model};
-use stiction::task::{Augmented, Needs, Sensed};
+use stiction::task::{AugmentedData, Needs, SensorReadings};
 
 #[derive(Deserialize)]
 struct Oracle {
@@ -117,8 +117,8 @@ fn state(model: &Model, order: &Order, truth: &Configuration) -> State {
 }
 
 /// Readings of force sensors in both feet.
-fn sensed(model: &Model, truth: &Configuration) -> Sensed {
-    let mut sensed = Sensed::blank(model);
+fn sensed(model: &Model, truth: &Configuration) -> SensorReadings {
+    let mut sensed = SensorReadings::blank(model);
     for (s, load) in sensed.soles.iter_mut().enumerate() {
         let points: Vec<Vector3<f64>> = truth.vertices[4 * s..4 * s + 4].iter().map(|p| Vector3::from(*p)).collect();
         let centre = points.iter().sum::<Vector3<f64>>() / 4.0;
@@ -137,7 +137,7 @@ fn the_context_of_tasks_agrees_with_pinocchio() {
     let model = robot(&oracle);
     let order = Order(oracle.names.iter().map(|n| model.joint(n).map(|JointId(j)| j).expect("a joint")).collect());
     assert!(oracle.configurations.len() >= 3 && model.soles.len() == 2 && model.end_effectors.len() == 5);
-    let mut data = Augmented::new(&model);
+    let mut data = AugmentedData::new(&model);
     for truth in &oracle.configurations {
         let state = state(&model, &order, truth);
         let floor = Plane { rotation: matrix(&truth.floor), point: truth.origin.into() };

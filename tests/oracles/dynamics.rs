@@ -9,7 +9,7 @@ use stiction::robot::LinkId;
 /// to 1e5 on these robots).
 const BOUND: f64 = 1e-10;
 
-/// Asserts agreement relative to the greatest entry of the truth.
+/// Asserts agreement relative to the greatest entry of the true values.
 #[track_caller]
 fn assert_agrees(what: &str, got: &[f64], truth: &[f64]) {
     assert_eq!(got.len(), truth.len(), "{what}");
@@ -95,7 +95,7 @@ fn equation_of_motion(subject: &Subject, truth: &Configuration, ws: &mut Workspa
 
 fn frames(oracle: &Oracle, subject: &Subject, truth: &Configuration, ws: &mut Workspace) {
     let nv = subject.model.nv();
-    dynamics::kinematics::accelerations(&subject.model, ws, &subject.ours(&truth.vdot));
+    dynamics::kinematics::accelerations(ws, &subject.ours(&truth.vdot));
     for (i, frame) in truth.frames.iter().enumerate() {
         let sole = &subject.model.soles[i];
         let point = ws.point(sole.link, &sole.vertices[0]);

@@ -18,7 +18,7 @@ pub struct Oracle {
     pub configurations: Vec<Configuration>,
 }
 
-/// A link as Pinocchio merged it, in the frame of its joint.
+/// A link as merged by Pinocchio, in the frame of its joint.
 #[derive(Deserialize)]
 pub struct Body {
     name: String,
@@ -44,7 +44,7 @@ pub struct Point {
     pub point: [f64; 3],
 }
 
-/// Inputs and truths; matrices by rows, lower triangles row by row.
+/// Inputs and true values; matrices by rows, lower triangles row by row.
 #[derive(Deserialize)]
 pub struct Configuration {
     pub position: [f64; 3],
@@ -99,7 +99,7 @@ impl Oracle {
         serde_json::from_str(text).expect("an oracle file of make_dynamics.py")
     }
 
-    /// The recorded tree, each link frame turned so that its joint axis is z.
+    /// The recorded tree, each link frame rotated so that its joint axis is z.
     pub fn recorded(&self) -> Subject {
         let bodies = self.tree.as_ref().expect("a frozen tree");
         let mut model = Model {
@@ -172,7 +172,7 @@ impl Oracle {
         self.with_soles(Subject { model, joint, link, frame })
     }
 
-    /// One-vertex soles at the oracle's points, in place of the model's own.
+    /// One-vertex soles at the oracle's points, instead of the model's own.
     pub fn with_soles(&self, mut subject: Subject) -> Subject {
         subject.model.soles = self
             .soles
@@ -215,7 +215,7 @@ impl Oracle {
 }
 
 impl Subject {
-    /// The oracle's vector over velocities, in our order.
+    /// The oracle's velocity vector, in our order.
     pub fn ours(&self, theirs: &[f64]) -> Vec<f64> {
         let nb = self.model.nb();
         let mut out = theirs.to_vec();

@@ -5,8 +5,9 @@
     python3 make_collision.py                               # writes collision_cbi.json, 40 postures
     python3 make_collision.py --postures 10000 --out FILE   # for the test `many_postures` (COLLISION_ORACLE=FILE)
 
-Of this repository only cbi.urdf is used. The shapes become points here independently, by the rule of
-docs/self-collision.md, and Coal (by qhull) builds the hulls. A negative distance is the depth of an overlap.
+The script uses only cbi.urdf of this repository. It tessellates the shapes independently, by the
+rule of docs/self-collision.md, and Coal (with qhull) builds the hulls. A negative distance is the
+depth of an overlap.
 """
 
 import argparse

@@ -14,21 +14,21 @@ l = (t, N) stacked over the vertices that may touch, c the centripetal term less
 
 Which problems are comparable. Coulomb's law in these variables is the law of an impact and of a time step (a: velocities
 after), and of a sole that rests (a: accelerations; friction opposes the acceleration that sets in), with one coefficient.
-Left out, with the reason counted: vertices that slide at the acceleration level (their friction is given by the velocity,
+Excluded, with counts of the reasons: vertices that slide at the acceleration level (their friction is given by the velocity,
 not by a), two coefficients, forced states, vertices within the tolerance but not on the floor (the method may let them
 approach), and solutions in which a sole that is not parallel to the floor presses on it with more than one vertex. Only a
 time step that closes different gaps has those; the method then leaves the second-order sideways motion of the vertices
 (tilting rate times difference in height) out of sticking and of slip directions.
 
 Where the solution is unique. Only resultant wrenches are compared, and only if
- 1. every vertex is clearly open, sticking or sliding: what should be positive is, by 1e-6 of its scale;
+ 1. every vertex is clearly open, sticking or sliding: quantities that should be positive are, by 1e-6 of their scale;
  2. the conditions linearised about the solution leave no direction that changes a wrench: the null space of
         open: dl = 0;  sticking: (G dl) = 0;  sliding: (G dl)_n = 0, dt + mu dN u + mu N (1 - u u^T) (G dl)_t / |a_t| = 0
     (u = a_t / |a_t|) is found by SVD, and J^T must map it to zero. A sole that slides and turns on four vertices fails
     here: how they share the load changes its friction;
  3. four random starting points lead to the same wrenches.
 
-The solver's own status is not trusted: with bad inputs it reports success with zero impulses. A solution is kept only if
+The solver's own status is not trusted: with bad inputs it reports success with zero impulses. A solution is accepted only if
 the conditions above, evaluated here with numpy alone, hold to 1e-12 of their scales.
 
 The test does not compare problems for which the runner found no valid state. A second argument names a file for them,
@@ -48,12 +48,12 @@ import pinocchio as pin
 
 HERE = Path(__file__).resolve().parent
 ROBOTS = HERE.parent.parent / "robots"
-TOUCHING = 1e-10  # m, the height at which the method takes a vertex for touching
+TOUCHING = 1e-10  # m, the height at which the method counts a vertex as touching
 SOLVED = 1e-12  # of the scales of force and motion
 CLEAR = 1e-6
 SAME = 1e-9
 STARTS = 4
-# Most problems of a run, and of those with the same states.
+# Greatest number of problems of a run, and of those with the same states.
 PER_RUN, PER_KIND = 12, 2
 
 TIGHT = "contact = { distance_tolerance = 1e-9, velocity_tolerance = 1e-8, acceleration_tolerance = 1e-8 }\n"
@@ -186,7 +186,7 @@ class Vertices:
         return worst
 
     def tilted(self, l):
-        """Does a sole press with vertices of different heights?"""
+        """Whether a sole presses with vertices of different heights."""
         pressed = collections.defaultdict(list)
         for (sole, height), n in zip(self.positions, l[2::3]):
             if n > CLEAR * np.abs(l).max():
@@ -194,7 +194,7 @@ class Vertices:
         return any(max(heights) - min(heights) > TOUCHING for heights in pressed.values())
 
     def unique(self, l):
-        """Why the wrenches may not be unique near `l`; None when they are. Points 1 and 2."""
+        """The reason why the wrenches may not be unique near `l`, or None. Points 1 and 2."""
         f, m = self.scales(l)
         size = len(self.g)
         conditions = np.zeros((size, size))
@@ -222,7 +222,7 @@ class Vertices:
         return None
 
     def admm(self, start):
-        """Pinocchio's answer from a starting point, in scaled variables of size about one."""
+        """Pinocchio's solution from a starting point, in scaled variables of size about one."""
         weight, size = np.trace(self.G) / len(self.g), np.abs(self.g).max()
         models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
         empty, here = pin.Model(), pin.SE3.Identity()
@@ -294,7 +294,7 @@ def main():
     if len(sys.argv) not in (2, 3):
         sys.exit(__doc__)
     random = np.random.default_rng(1)
-    kept, hard, left = collections.defaultdict(list), [], collections.Counter()
+    selected, hard, left = collections.defaultdict(list), [], collections.Counter()
     taken, kinds, met = collections.Counter(), collections.Counter(), 0
     with tempfile.TemporaryDirectory() as folder:
         for robot, name, number, selection in run(Path(sys.argv[1]).resolve(), Path(folder)):
@@ -324,12 +324,12 @@ def main():
             }
             taken[robot, name] += 1
             kinds[kind] += 1
-            kept[robot].append(entry)
+            selected[robot].append(entry)
             ours = np.array(selection["answer"]["wrench"])
             miss = np.abs(wrench - ours).max() / np.abs(wrench).max() if wrench.any() else np.abs(ours).max()
             print(f"{robot} {name} {number:3} {selection['level'][:3]} {miss:.1e} {iterations:5} {' '.join(states)}")
     versions = {"pin": pin.__version__, "numpy": np.__version__, "python": platform.python_version()}
-    for robot, entries in kept.items():
+    for robot, entries in selected.items():
         path = HERE / f"contact_{robot}.json"
         head = f'"robot":"{robot}",\n"versions":{json.dumps(versions)},\n"problems":[\n'
         body = ",\n".join(json.dumps(numbers(e), separators=(",", ":")) for e in entries)

@@ -7,8 +7,9 @@ Run by hand in an environment with `pin`:
 
 Conventions of velocities and forces as in make_dynamics.py. Jacobians by rows, world axes unless named `base`.
 
-The zero-moment point follows from its definition: random forces act on the vertices of both feet; about the zero-moment
-point of the plane the sum of their moments, each with its own arm, has no component along the plane.
+The zero-moment point follows from its definition. Random forces act on the vertices of both feet.
+About the zero-moment point of the plane, the sum of their moments, each with its own arm, has no
+component along the plane.
 """
 
 import json

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Writes dynamics_<robot>.json: rigid-body quantities computed by Pinocchio, in this project's conventions.
 
-Run by hand, in an environment with `pin` and `example-robot-data` (6.0 or newer, wheels that carry the URDF files):
+Run by hand, in an environment with `pin` and `example-robot-data` (6.0 or newer, wheels that contain the URDF files):
 
     python tests/oracles/make_dynamics.py
 
-The repository does not hold the example robots' URDF files; the JSON records their trees as Pinocchio reads them. For robots
-of this repository only the values are written, and the test loads the URDF itself.
+The repository does not contain the example robots' URDF files; the JSON records their trees as
+Pinocchio reads them. For robots of this repository the JSON has only the values, and the test loads
+the URDF itself.
 
 Conventions of the output. Velocities v = (p', omega, joint rates) with p the base origin, both base vectors in world
 axes; vdot = (p'', omega', joint accelerations); generalised forces dual to v. Pinocchio's floating-base velocity is the
@@ -98,7 +99,7 @@ def configuration(model, floating, angles, position, rotation):
 
 
 def values(model, floating, soles, random):
-    """One configuration's inputs and truths."""
+    """Inputs and true values of one configuration."""
     nv = model.nv
     nb = 6 if floating else 0
     first = 2 if floating else 1

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes example_robots.json: joints, mass and inertia of every URDF of example-robot-data, as Pinocchio reads them.
 
-Run by hand, in an environment with `pin` and `example-robot-data` (6.0 or newer, wheels that carry the URDF files):
+Run by hand, in an environment with `pin` and `example-robot-data` (6.0 or newer, wheels that contain the URDF files):
 
     python tests/oracles/make_example_robots.py
 

@@ -124,7 +124,7 @@ fn equal_runs_give_equal_bytes_and_others_do_not() {
 fn a_log_appears_only_when_it_is_complete() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("runs/a/log.mcap");
-    let log = sample::started(&path, 3, TopicGroups::ALL);
+    let log = sample::open_log(&path, 3, TopicGroups::ALL);
     assert!(!path.exists());
     log.finish().unwrap();
     assert!(path.exists());
@@ -136,8 +136,8 @@ fn a_run_that_panics_leaves_a_readable_log() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
     let run = std::panic::catch_unwind(|| {
-        let _log = sample::started(&path, TICKS, TopicGroups::ALL);
-        std::panic::resume_unwind(Box::new("a run went wrong"));
+        let _log = sample::open_log(&path, TICKS, TopicGroups::ALL);
+        std::panic::resume_unwind(Box::new("a run failed"));
     });
     assert!(run.is_err());
     let bytes = std::fs::read(&path).unwrap();
@@ -148,14 +148,14 @@ fn a_run_that_panics_leaves_a_readable_log() {
 #[test]
 fn a_snapshot_of_another_robot_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let mut log = sample::started(&folder.path().join("log.mcap"), 1, TopicGroups::ALL);
+    let mut log = sample::open_log(&folder.path().join("log.mcap"), 1, TopicGroups::ALL);
     let mut snapshot = sample::snapshot(1);
     snapshot.link_poses.pop();
-    let message = log.snapshot(&snapshot).unwrap_err();
+    let message = log.snapshot(&snapshot).unwrap_err().to_string();
     assert!(message.contains("2 link poses") && message.contains("the model has 3"), "{message}");
     let mut snapshot = sample::snapshot(1);
     snapshot.soles.clear();
-    assert!(log.snapshot(&snapshot).unwrap_err().contains("0 soles"));
+    assert!(log.snapshot(&snapshot).unwrap_err().to_string().contains("0 soles"));
 }
 
 #[test]

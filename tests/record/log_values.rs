@@ -25,12 +25,12 @@ fn snapshots() -> impl Iterator<Item = Snapshot> {
     (0..TICKS).map(sample::snapshot)
 }
 
-fn own(v: &Vector3<f64>) -> messages::Vector3 {
+fn message_of(v: &Vector3<f64>) -> messages::Vector3 {
     messages::Vector3 { x: v.x, y: v.y, z: v.z }
 }
 
-fn own_all(v: &[Vector3<f64>]) -> Vec<messages::Vector3> {
-    v.iter().map(own).collect()
+fn messages_of(v: &[Vector3<f64>]) -> Vec<messages::Vector3> {
+    v.iter().map(message_of).collect()
 }
 
 fn vector(v: Option<LogVector>) -> Vector3<f64> {
@@ -54,28 +54,28 @@ fn state_equals_the_snapshot_to_the_last_bit() {
         let r = s.base_pose.rotation;
         let expected = messages::State {
             time: s.time,
-            base_position: Some(own(&s.base_pose.translation.vector)),
+            base_position: Some(message_of(&s.base_pose.translation.vector)),
             base_orientation: Some(messages::Quaternion { w: r.w, x: r.i, y: r.j, z: r.k }),
-            base_linear_velocity: Some(own(&s.base_linear_velocity)),
-            base_angular_velocity: Some(own(&s.base_angular_velocity)),
+            base_linear_velocity: Some(message_of(&s.base_linear_velocity)),
+            base_angular_velocity: Some(message_of(&s.base_angular_velocity)),
             q: s.q,
             qd: s.qd,
             q_desired: s.q_desired,
             qd_desired: s.qd_desired,
             effort: s.effort,
             effort_desired: s.effort_desired,
-            com: Some(own(&s.com)),
-            com_velocity: Some(own(&s.com_velocity)),
-            cop: s.centre_of_pressure.as_ref().map(own),
-            stable_point: s.stable_point.as_ref().map(own),
-            support_polygon: own_all(&s.support_polygon),
+            com: Some(message_of(&s.com)),
+            com_velocity: Some(message_of(&s.com_velocity)),
+            cop: s.centre_of_pressure.as_ref().map(message_of),
+            stable_point: s.stable_point.as_ref().map(message_of),
+            support_polygon: messages_of(&s.support_polygon),
             points: (s.points.iter())
-                .map(|p| messages::Point { name: p.name.clone(), position: p.position.as_ref().map(own) })
+                .map(|p| messages::Point { name: p.name.clone(), position: p.position.as_ref().map(message_of) })
                 .collect(),
             external: s
                 .external
                 .iter()
-                .map(|(p, f)| messages::Force { point: Some(own(p)), force: Some(own(f)) })
+                .map(|(p, f)| messages::Force { point: Some(message_of(p)), force: Some(message_of(f)) })
                 .collect(),
         };
         assert_eq!(found, &expected);
@@ -93,10 +93,10 @@ fn contact_equals_the_soles_to_the_last_bit() {
                 name: name.clone(),
                 state: sole.state.clone(),
                 clamped: sole.clamped.clone(),
-                positions: own_all(&sole.positions),
-                velocities: own_all(&sole.velocities),
-                forces: own_all(&sole.forces),
-                force: Some(own(&force)),
+                positions: messages_of(&sole.positions),
+                velocities: messages_of(&sole.velocities),
+                forces: messages_of(&sole.forces),
+                force: Some(message_of(&force)),
             }
         });
         assert_eq!(found, &messages::Contact { time: s.time, soles: soles.collect() });
@@ -148,7 +148,7 @@ fn to_world(tf: &FrameTransforms, frame: &str) -> Isometry3<f64> {
     let mut pose = Isometry3::identity();
     let mut frame = frame.to_owned();
     while frame != "world" {
-        let t = tf.transforms.iter().find(|t| t.child_frame_id == frame).expect("every frame leads to the world");
+        let t = tf.transforms.iter().find(|t| t.child_frame_id == frame).expect("a parent up to the world");
         pose = Isometry3::from_parts(Translation3::from(vector(t.translation)), rotation(t.rotation)) * pose;
         frame.clone_from(&t.parent_frame_id);
     }
@@ -170,7 +170,7 @@ fn frames_compose_to_the_links_poses() {
             // Error: three products of poses of size 1, a few units of 1e-16 each.
             assert!(distance(&to_world(tf, &link.name), pose) < 1e-14, "{}", link.name);
         }
-        // The internal frame is where vertices and welds are given; the URDF frame leads back to it.
+        // Vertices and welds are given in the internal frame.
         let internal = |link: usize| s.link_poses[link] * model.links[link].urdf_frame.inverse();
         for weld in &model.links[0].merged {
             assert!(distance(&to_world(tf, &weld.name), &(internal(0) * weld.pose)) < 1e-14, "{}", weld.name);
@@ -233,7 +233,7 @@ fn the_scene_draws_each_shape_in_its_links_urdf_frame() {
     assert_eq!(vector(ball.cylinders[1].size), Vector3::new(0.04, 0.04, 0.2));
     let frame = model.links[2].urdf_frame;
     for (sphere, z) in ball.spheres[1..].iter().zip([-0.1, 0.1]) {
-        // Back in the internal frame the capsule's ends are where the model has them.
+        // In the internal frame, the ends of the capsule are those of the model.
         let end = frame * Point3::from(isometry(sphere.pose).translation.vector);
         assert!((end.coords - Vector3::new(0.1, 0.0, z)).norm() < 1e-15);
     }
@@ -261,9 +261,9 @@ fn patches_are_outlined() {
 }
 
 #[test]
-fn marks_show_forces_clamped_vertices_and_balance() {
+fn markers_show_forces_clamped_vertices_and_balance() {
     let model = sample::model();
-    // Half a metre stands for the weight.
+    // An arrow of half a metre represents the weight.
     let metres_per_newton = 0.5 / (model.mass() * 9.806_65);
     for (scene, s) in protobuf::<SceneUpdate>("/scene/contact").iter().zip(snapshots()) {
         assert_eq!(scene.entities.len(), 5);
@@ -280,7 +280,8 @@ fn marks_show_forces_clamped_vertices_and_balance() {
                 let pose = isometry(arrow.pose);
                 assert_eq!(pose.translation.vector, *at);
                 let length = arrow.shaft_length + arrow.head_length;
-                // Error: the rotation comes from an acos, which keeps half the digits near 0 and pi.
+                // Error: the rotation comes from an acos, which keeps half the digits near 0 and
+                // pi.
                 assert!(
                     (pose.rotation * Vector3::x() * length / metres_per_newton - force).norm() < 1e-7 * force.norm()
                 );
@@ -290,16 +291,16 @@ fn marks_show_forces_clamped_vertices_and_balance() {
         let balance = entity(scene, "balance");
         let points = [s.centre_of_pressure, s.stable_point];
         assert_eq!(balance.spheres.len(), 1 + points.iter().flatten().count());
-        let shown: Vec<_> = s.points.iter().filter_map(|p| p.position).collect();
+        let expected: Vec<_> = s.points.iter().filter_map(|p| p.position).collect();
         let drawn = entity(scene, "points").spheres.iter().map(|ball| isometry(ball.pose).translation.vector);
-        assert_eq!(drawn.collect::<Vec<_>>(), shown);
+        assert_eq!(drawn.collect::<Vec<_>>(), expected);
         let polygon = balance.lines.first().map_or(0, |l| l.points.len());
         assert_eq!(polygon, s.support_polygon.len());
     }
 }
 
 #[test]
-fn colours_tell_static_from_sliding() {
+fn colours_distinguish_static_from_sliding() {
     let colours: Vec<_> = protobuf::<SceneUpdate>("/scene/contact")
         .iter()
         .map(|scene| entity(scene, "contact/left").spheres.first().map(|s| s.color.unwrap()))

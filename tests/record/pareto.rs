@@ -1,8 +1,8 @@
-//! Which runs are held against each other, which of them are on the Pareto front, and the table of it.
+//! Tests of the Pareto comparison: groups of comparable runs, the front and its table.
 
 use super::run::record;
 use proptest::prelude::*;
-use stiction::results::pareto::{Group, Work, front, front_as_shown, groups, pareto_table};
+use stiction::results::pareto::{Group, NotComparable, Work, front, front_as_shown, groups, pareto_table};
 use stiction::results::{Comparison, ParamValue, Repeats, SummaryRow, TruthError};
 use stiction::sim::Outcome;
 
@@ -22,8 +22,8 @@ pub fn run(method: &str, parameters: &[(&str, ParamValue)], cost: f64, error: Op
     row.real_time_factor = row.metrics.duration_s / row.wall_s;
     row.repeats = None;
     row.comparison = Comparison { error_position_rms_m: error, ..Comparison::default() };
-    let words: Vec<String> = row.parameters.iter().map(|(_, v)| v.to_string()).collect();
-    row.key = format!("{method}-{}", words.join("-"));
+    let plain: Vec<String> = row.parameters.iter().map(|(_, v)| v.to_string()).collect();
+    row.key = format!("{method}-{}", plain.join("-"));
     row
 }
 
@@ -31,10 +31,11 @@ fn works(rows: &[SummaryRow]) -> Vec<Work<'_>> {
     rows.iter().map(Work::of).collect()
 }
 
-/// Groups as words: their problems, and of each curve its name, what it runs along and its rows.
-type Words = Vec<(String, Vec<(String, Option<String>, Vec<usize>)>)>;
+/// Groups as plain data: the problem, and for each curve its name, its varied parameter and its
+/// rows.
+type PlainGroups = Vec<(String, Vec<(String, Option<String>, Vec<usize>)>)>;
 
-fn words(groups: Vec<Group>) -> Words {
+fn plain(groups: Vec<Group>) -> PlainGroups {
     let curves = |g: &Group| g.curves.iter().map(|c| (c.name(), c.along.clone(), c.rows.clone())).collect();
     groups.iter().map(|g| (g.problem.clone(), curves(g))).collect()
 }
@@ -44,12 +45,12 @@ fn curve(name: &str, along: Option<&str>, rows: &[usize]) -> (String, Option<Str
 }
 
 proptest! {
-    /// The definition, word for word, against the walk along the cost. Few different values make ties.
+    /// Compares the definition with the sweep along the cost. Few different values give ties.
     #[test]
     fn no_point_dominates_the_front(points in prop::collection::vec((1_u8..8, 0_u8..8), 0..40)) {
         let points: Vec<(f64, f64)> = points.iter().map(|&(c, e)| (f64::from(c), f64::from(e))).collect();
-        let beats = |a: (f64, f64), b: (f64, f64)| a.0 <= b.0 && a.1 <= b.1 && (a.0 < b.0 || a.1 < b.1);
-        let expected: Vec<bool> = points.iter().map(|&p| !points.iter().any(|&q| beats(q, p))).collect();
+        let dominates = |a: (f64, f64), b: (f64, f64)| a.0 <= b.0 && a.1 <= b.1 && (a.0 < b.0 || a.1 < b.1);
+        let expected: Vec<bool> = points.iter().map(|&p| !points.iter().any(|&q| dominates(q, p))).collect();
         prop_assert_eq!(front(&points), expected);
     }
 }
@@ -75,7 +76,7 @@ fn cost_is_processor_time_per_simulated_second() {
     assert_eq!(Work::of(&row).cost, Some(0.25));
     row.repeats = Some(Repeats { count: 3, wall_min_s: 9.0, wall_median_s: 9.0, cpu_min_s: 0.2, cpu_median_s: 9.0 });
     let work = Work::of(&row);
-    assert_eq!((work.cost, work.real_time_factor), (Some(0.1), 2.0 / 9.0), "the least of repeated times");
+    assert_eq!((work.cost, work.real_time_factor), (Some(0.1), 2.0 / 9.0), "the minimum of repeated times");
     row.metrics.duration_s = 0.0;
     assert_eq!(Work::of(&row).cost, None);
 }
@@ -91,9 +92,9 @@ fn errors_are_the_error_columns() {
     let errors: Vec<(&str, f64)> = work.errors.iter().map(|(name, error)| (name.as_str(), *error)).collect();
     assert_eq!(errors, [("error_position_rms_m", 1e-3), ("error_force_rms_N", 0.5), ("error_final_base_x", 1e-4)]);
     assert_eq!(work.point("error_final_base_x"), Ok((1.0, 1e-4)));
-    assert_eq!(work.point("error_jams"), Err("no error was measured".into()));
+    assert_eq!(work.point("error_jams"), Err(NotComparable::NotMeasured));
     row.comparison.error_position_rms_m = Some(f64::INFINITY);
-    assert_eq!(Work::of(&row).point("error_position_rms_m"), Err("the error is inf".into()));
+    assert_eq!(Work::of(&row).point("error_position_rms_m"), Err(NotComparable::NotFinite(f64::INFINITY)));
 }
 
 #[test]
@@ -105,19 +106,19 @@ fn an_unfinished_run_is_not_compared() {
     for outcome in [Outcome::Diverged, Outcome::Stalled, Outcome::TimedOut, Outcome::Cancelled, Outcome::Error] {
         row.outcome = outcome;
         for column in ["error_position_rms_m", "error_final_base_x"] {
-            assert_eq!(Work::of(&row).point(column), Err(format!("it ended as {}", outcome.name())));
+            assert_eq!(Work::of(&row).point(column), Err(NotComparable::Ended(outcome)));
         }
     }
-    // It fell, and its reference went on, or the other way round.
+    // One of run and reference fell, and the other continued.
     row.outcome = Outcome::Fallen;
     assert!(Work::of(&row).point("error_position_rms_m").is_ok());
     row.comparison.whole = false;
-    assert_eq!(Work::of(&row).point("error_position_rms_m"), Err("it was compared up to 0.1 s only".into()));
+    assert_eq!(Work::of(&row).point("error_position_rms_m"), Err(NotComparable::Until(0.1)));
     assert_eq!(Work::of(&row).point("error_final_base_x"), Ok((1.0, 1e-4)));
 }
 
 #[test]
-fn a_sweep_of_steps_is_a_curve_per_method_in_the_order_of_the_steps() {
+fn a_sweep_of_steps_is_one_curve_per_method_in_order_of_the_step() {
     let step = |method: &str, h: f64| {
         run(method, &[("contact.method", method.into()), ("integrator.step", h.into())], 1.0, None)
     };
@@ -126,7 +127,7 @@ fn a_sweep_of_steps_is_a_curve_per_method_in_the_order_of_the_steps() {
         String::new(),
         vec![curve("lcp semi-implicit", Some("integrator.step"), &[3, 0, 1]), curve("ncp semi-implicit", None, &[2])],
     )];
-    assert_eq!(words(groups(&works(&rows))), expected);
+    assert_eq!(plain(groups(&works(&rows))), expected);
 }
 
 #[test]
@@ -156,20 +157,20 @@ fn problems_separate_groups_and_methods_separate_curves() {
         ),
         ("floor.friction=0.8".to_owned(), vec![curve("penalty semi-implicit", along, &[8, 7, 6])]),
     ];
-    assert_eq!(words(groups(&works(&rows))), expected);
+    assert_eq!(plain(groups(&works(&rows))), expected);
 }
 
 #[test]
 fn parameters_that_change_together_form_one_curve() {
     let zipped = |rtol: f64, gap: f64, seed: u64| {
-        let both = [("integrator.relative_tolerance", rtol.into()), ("contact.distance_tolerance", gap.into())];
-        SummaryRow { seed, ..run("exact", &both, 1.0, None) }
+        let parameters = [("integrator.relative_tolerance", rtol.into()), ("contact.distance_tolerance", gap.into())];
+        SummaryRow { seed, ..run("exact", &parameters, 1.0, None) }
     };
     let rows = [zipped(1e-4, 1e-3, 1), zipped(1e-6, 1e-4, 1), zipped(1e-4, 1e-3, 2), zipped(1e-6, 1e-4, 2)];
     let along = Some("integrator.relative_tolerance");
     let expected =
         vec![(String::new(), vec![curve("exact dopri5", along, &[1, 0]), curve("exact dopri5", along, &[3, 2])])];
-    assert_eq!(words(groups(&works(&rows))), expected);
+    assert_eq!(plain(groups(&works(&rows))), expected);
     let bouncy = |e: f64| run("exact", &[("contact.restitution", e.into())], 1.0, None);
     assert_eq!(groups(&works(&[bouncy(0.0), bouncy(0.5)])).len(), 2, "restitution belongs to the problem");
 }
@@ -199,7 +200,7 @@ fn the_table_is_sorted_by_cost_and_marks_the_front() {
     assert_eq!(lines[5], ["ncp", "semi-implicit", "step=0.001", "2.00e-3", "2.00e0", "0.3"]);
     assert_eq!(lines[6], ["1 left out: it ended as diverged"]);
     assert!(text.ends_with("more accurate\n"), "{text}");
-    assert_eq!(pareto_table(&works(&rows[4..]), 120), "", "nothing to hold against anything");
+    assert_eq!(pareto_table(&works(&rows[4..]), 120), "", "no runs to compare");
     assert_eq!(pareto_table(&[], 120), "");
 }
 
@@ -211,7 +212,7 @@ fn a_long_table_keeps_fronts_and_the_best_of_each_method() {
     rows.push(run("ncp", &[("integrator.step", 3.5.into())], 60.0, Some(0.75)));
     rows.push(run("exact", &[("integrator.relative_tolerance", 1e-6.into())], 50.5, Some(0.25)));
     let text = pareto_table(&works(&rows), 120);
-    let shown = |word: &str| text.lines().filter(|l| l.starts_with(word)).count();
-    assert_eq!((shown("lcp"), shown("ncp"), shown("exact")), (1, 1, 1), "{text}");
+    let count_lines = |word: &str| text.lines().filter(|l| l.starts_with(word)).count();
+    assert_eq!((count_lines("lcp"), count_lines("ncp"), count_lines("exact")), (1, 1, 1), "{text}");
     assert!(text.contains("\n49 more are in the report and the summary\n"), "{text}");
 }

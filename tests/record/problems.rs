@@ -1,8 +1,9 @@
-//! Tests of recorded contact problems: reading returns the written problem, and solving it again gives the same bits.
+//! Tests of recorded contact problems: reading returns the written problem, and solving it again
+//! gives the same bits.
 
 use crate::analytic::support::simulation;
 use std::sync::atomic::AtomicBool;
-use stiction::contact::selection_record::{Answer, SelectionRecord};
+use stiction::contact::selection_record::{SelectionRecord, SelectionResult};
 use stiction::log::{MAX_PROBLEMS, ProblemRecord, ProblemWriter};
 use stiction::sim::{Observer, Outcome, Problems, SimEvent, Snapshot};
 
@@ -10,17 +11,17 @@ use stiction::sim::{Observer, Outcome, Problems, SimEvent, Snapshot};
 struct Keep(Problems, Vec<String>);
 
 impl Observer for Keep {
-    fn snapshot(&mut self, _: &Snapshot) -> Result<(), String> {
+    fn snapshot(&mut self, _: &Snapshot) -> Result<(), stiction::sim::ObserverError> {
         Ok(())
     }
-    fn event(&mut self, _: &SimEvent) -> Result<(), String> {
+    fn event(&mut self, _: &SimEvent) -> Result<(), stiction::sim::ObserverError> {
         Ok(())
     }
     fn problems(&self) -> Problems {
         self.0
     }
-    fn problem(&mut self, frozen: &SelectionRecord) -> Result<(), String> {
-        self.1.push(serde_json::to_string(frozen).map_err(|e| e.to_string())?);
+    fn problem(&mut self, record: &SelectionRecord) -> Result<(), stiction::sim::ObserverError> {
+        self.1.push(serde_json::to_string(record).map_err(stiction::sim::ObserverError::new)?);
         Ok(())
     }
 }
@@ -35,7 +36,7 @@ fn problems(text: &str, which: Problems) -> (Vec<SelectionRecord>, u64, u64) {
     (read, sim.metrics().selections, sim.metrics().inconsistent)
 }
 
-fn json(answer: &Answer) -> String {
+fn json(answer: &SelectionResult) -> String {
     serde_json::to_string(answer).unwrap()
 }
 
@@ -57,8 +58,8 @@ const HOAP2_PUSHED: &str = "
 ";
 
 #[test]
-fn selecting_again_from_the_file_gives_the_same_bits() {
-    let (mut seen, mut velocity, mut moving, mut suspects) = (0, 0, 0, 0);
+fn selecting_again_from_the_record_gives_the_same_bits() {
+    let (mut total, mut velocity, mut moving, mut suspect) = (0, 0, 0, 0);
     for setting in [
         "",
         "contact = { method = \"one-step\" }",
@@ -70,17 +71,17 @@ fn selecting_again_from_the_file_gives_the_same_bits() {
         for text in [DROPPED_SLIDING, HOAP2_PUSHED] {
             let (problems, selections, _) = problems(&format!("{setting}\n{text}"), Problems::All);
             assert_eq!(problems.len() as u64, selections, "{setting}");
-            for frozen in &problems {
-                let again = frozen.replay().unwrap();
-                assert_eq!(json(&again), json(&frozen.answer), "{setting} at {} s", frozen.time_s);
-                velocity += usize::from(frozen.units.force == "N s");
-                moving += frozen.soles.iter().flat_map(|s| &s.vertices).filter(|v| v.moving).count();
-                suspects += frozen.soles.iter().filter(|s| s.suspect_normal || s.suspect_friction).count();
+            for record in &problems {
+                let again = record.replay().unwrap();
+                assert_eq!(json(&again), json(&record.answer), "{setting} at {} s", record.time_s);
+                velocity += usize::from(record.units.force == "N s");
+                moving += record.soles.iter().flat_map(|s| &s.vertices).filter(|v| v.moving).count();
+                suspect += record.soles.iter().filter(|s| s.suspect_normal || s.suspect_friction).count();
             }
-            seen += problems.len();
+            total += problems.len();
         }
     }
-    assert!(seen > 500 && velocity > 50 && moving > 100 && suspects > 5, "{seen} {velocity} {moving} {suspects}");
+    assert!(total > 500 && velocity > 50 && moving > 100 && suspect > 5, "{total} {velocity} {moving} {suspect}");
 }
 
 #[test]
@@ -95,23 +96,24 @@ fn a_changed_problem_has_another_answer() {
     assert_eq!(sliding.replay().unwrap_err().to_string(), "`b` has 5 numbers, expected 6");
 }
 
-/// Three corners of a block start below the floor and one above it: no state clamps just those.
+/// Three corners of a block start below the floor and one above it. No state clamps exactly these
+/// three.
 #[test]
 fn the_observer_selects_inconsistent_problems() {
-    let sunk = "
+    let penetrating = "
         duration = 0.1
         robot = { model = \"robots/block/block.toml\", base = { position = [0, 0, 0.049], rpy = [0.01, 0.02, 0] } }
     ";
-    let (told, selections, inconsistent) = problems(sunk, Problems::Inconsistent);
+    let (recorded, selections, inconsistent) = problems(penetrating, Problems::Inconsistent);
     assert!(inconsistent >= 1 && selections > inconsistent, "{selections} {inconsistent}");
-    assert_eq!(told.len() as u64, inconsistent);
-    for frozen in &told {
-        let violations = &frozen.answer.violations;
+    assert_eq!(recorded.len() as u64, inconsistent);
+    for record in &recorded {
+        let violations = &record.answer.violations;
         let sum = violations.geometric + violations.kinematic + violations.friction;
-        assert!(!frozen.answer.consistent && sum > 0.0, "{:?}", frozen.answer);
-        assert_eq!(json(&frozen.replay().unwrap()), json(&frozen.answer));
+        assert!(!record.answer.consistent && sum > 0.0, "{:?}", record.answer);
+        assert_eq!(json(&record.replay().unwrap()), json(&record.answer));
     }
-    assert_eq!(problems(sunk, Problems::None).0, []);
+    assert_eq!(problems(penetrating, Problems::None).0, []);
 }
 
 #[test]
@@ -120,10 +122,10 @@ fn files_are_numbered_limited_and_replaced_by_the_next_run() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("problems");
     let mut writer = ProblemWriter::create(path.clone(), "s", "k", Problems::All).unwrap();
-    assert_eq!(writer.folder(), None, "nothing is there before the first");
+    assert_eq!(writer.folder(), None, "no folder before the first problem");
     let total = MAX_PROBLEMS + 3;
-    for frozen in all.iter().cycle().take(total) {
-        writer.write(frozen).unwrap();
+    for record in all.iter().cycle().take(total) {
+        writer.write(record).unwrap();
     }
     assert_eq!(std::fs::read_dir(&path).unwrap().count(), MAX_PROBLEMS);
     assert_eq!(writer.summary().unwrap(), "the first 100 of 103 selections are written, 3 more are not");
@@ -138,14 +140,15 @@ fn files_are_numbered_limited_and_replaced_by_the_next_run() {
     assert!(error.ends_with("0002.json: record format 7, this program reads 1"), "{error}");
 
     let mut writer = ProblemWriter::create(path.clone(), "s", "k", Problems::Inconsistent).unwrap();
-    assert!(!path.exists(), "the problems of the run before are gone");
+    assert!(!path.exists(), "the problems of the previous run are deleted");
     writer.write(&all[0]).unwrap();
     assert_eq!((std::fs::read_dir(&path).unwrap().count(), writer.summary()), (1, None));
 }
 
-/// A block at rest is pulled off: the choice finds the directions of slip, and they are not in the file.
+/// A force pulls a resting block until it slips. The selection finds the directions of slip, and
+/// the recorded problem does not contain them.
 #[test]
-fn a_problem_is_written_as_it_was_before_the_choice() {
+fn a_problem_is_recorded_as_before_the_selection() {
     let pulled = "
         duration = 0.4
         robot = { model = \"robots/block/block.toml\" }
@@ -159,13 +162,16 @@ fn a_problem_is_written_as_it_was_before_the_choice() {
         profile = \"ramp\"
     ";
     let (all, ..) = problems(pulled, Problems::All);
-    assert!(all[0].soles[0].vertices.iter().all(|v| v.last_normal == 0.0), "nothing was known before the first");
+    assert!(
+        all[0].soles[0].vertices.iter().all(|v| v.last_normal == 0.0),
+        "no earlier normal force before the first problem"
+    );
     let onset = all.iter().find(|p| p.answer.states[0] == "face-dynamic").expect("it slips");
     assert_eq!(onset.soles[0].previous, "face-static");
     assert!(onset.soles[0].suspect_friction && !onset.soles[0].suspect_normal);
     for (v, t) in onset.soles[0].vertices.iter().zip(&onset.answer.tangent[0]) {
         assert!(!v.moving && v.direction == [0.0; 2], "{v:?}");
-        assert!(t[0] < 0.0 && t[1] < 0.0, "rubbed against the slip that sets in: {t:?}");
-        assert!(v.last_normal > 0.0, "what held it until then");
+        assert!(t[0] < 0.0 && t[1] < 0.0, "friction opposes the incipient slip: {t:?}");
+        assert!(v.last_normal > 0.0, "the normal force of the preceding state");
     }
 }

@@ -1,4 +1,5 @@
-//! Tests of the reader of `log.mcap`: it returns the written values, and refuses files that are no logs.
+//! Tests of the reader of `log.mcap`: it returns the written values, and refuses files that are no
+//! logs.
 
 use super::sample::{self, ROBOT, SCENARIO, URDF};
 use nalgebra::Vector3;
@@ -12,7 +13,7 @@ const TICKS: usize = 300;
 fn written(ticks: usize, topics: TopicGroups) -> Trajectory {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
-    sample::started(&path, ticks, topics).finish().unwrap();
+    sample::open_log(&path, ticks, topics).finish().unwrap();
     Trajectory::read(&path).unwrap()
 }
 
@@ -34,15 +35,16 @@ fn same_vectors(found: &[Vector3<f64>], get: impl Fn(&Snapshot) -> Vector3<f64>)
 #[test]
 fn self_collision_is_read_to_the_last_bit() {
     let read = written(TICKS, TopicGroups::ALL).self_collision.unwrap();
-    let own = |s: &Snapshot| s.self_contact.clone().unwrap();
-    same(&read.distance, |s| own(s).nearest.unwrap().0);
-    same(&read.tests, |s| own(s).tests as f64);
-    same(&read.frozen, |s| own(s).frozen.iter().filter(|f| **f).count() as f64);
-    let pairs: Vec<String> = snapshots().map(|s| own(&s).pairs[own(&s).nearest.unwrap().1].join("/")).collect();
+    let self_contact = |s: &Snapshot| s.self_contact.clone().unwrap();
+    same(&read.distance, |s| self_contact(s).nearest.unwrap().0);
+    same(&read.tests, |s| self_contact(s).tests as f64);
+    same(&read.frozen, |s| self_contact(s).frozen.iter().filter(|f| **f).count() as f64);
+    let pairs: Vec<String> =
+        snapshots().map(|s| self_contact(&s).pairs[self_contact(&s).nearest.unwrap().1].join("/")).collect();
     assert_eq!(read.pair, pairs);
-    for (j, (name, prismatic, desired)) in read.wanted.iter().enumerate() {
+    for (j, (name, prismatic, desired)) in read.desired.iter().enumerate() {
         assert_eq!((name.as_str(), *prismatic), (["hip", "ankle"][j], false));
-        same(desired, |s| own(s).wanted[j]);
+        same(desired, |s| self_contact(s).desired[j]);
     }
     assert!(written(3, TopicGroups::NONE).self_collision.is_none());
 }
@@ -118,8 +120,8 @@ fn residuals_energies_events_and_texts_are_read() {
     }
 
     let info = &read.info;
-    let words = [&info.scenario, &info.key, &info.method, &info.robot].map(String::as_str);
-    assert_eq!(words, ["sample", "0123abcd", "exact", "sample"]);
+    let fields = [&info.scenario, &info.key, &info.method, &info.robot].map(String::as_str);
+    assert_eq!(fields, ["sample", "0123abcd", "exact", "sample"]);
     let texts = (read.scenario_text(), read.robot_text(), read.urdf_text());
     assert_eq!(texts, (Some(SCENARIO), Some(ROBOT), Some(URDF)));
     assert_eq!(read.attachments[2].name, "sample.urdf");
@@ -158,7 +160,7 @@ fn prismatic_joints_are_marked() {
 fn the_log_of_a_failed_run_is_readable_and_incomplete() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
-    drop(sample::started(&path, 7, TopicGroups::ALL));
+    drop(sample::open_log(&path, 7, TopicGroups::ALL));
     let read = Trajectory::read(&path).unwrap();
     assert!(!read.complete);
     assert_eq!(read.times.len(), 7);
@@ -191,7 +193,7 @@ fn missing_and_foreign_files_have_different_errors() {
     let mut other = std::io::Cursor::new(Vec::new());
     mcap::Writer::new(&mut other).unwrap().finish().unwrap();
     let (error, message) = refusal(&at("other.mcap", other.get_ref()));
-    assert!(matches!(error, LogError::Foreign { .. }) && message.contains("no table `run`"), "{message}");
+    assert!(matches!(error, LogError::Foreign { .. }) && message.contains("no metadata table `run`"), "{message}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use stiction::report::{Pictured, ReportRun, write_report};
 use stiction::results::{Machine, SummaryRow, Verdict};
 use stiction::sim::Outcome;
 
-/// The page on rows.
+/// The report page for rows.
 fn page(rows: &[SummaryRow]) -> String {
     page_with(rows, &[])
 }
@@ -19,16 +19,16 @@ fn page_with(rows: &[SummaryRow], notes: &[String]) -> String {
         .collect();
     let path = folder.path().join("report.html");
     write_report(&path, folder.path(), &runs, &[], &Pictured::Few).unwrap();
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no other files");
     std::fs::read_to_string(path).unwrap()
 }
 
-/// Every picture of a page.
+/// All SVG pictures of a page.
 fn pictures(html: &str) -> Vec<&str> {
     html.match_indices("<svg").map(|(at, _)| &html[at..at + html[at..].find("</svg>").unwrap() + 6]).collect()
 }
 
-/// Nothing on the page can ask for anything or run; every picture is XML.
+/// Asserts that the page loads and executes nothing, and that every picture is valid XML.
 fn assert_inert(html: &str) {
     let rest = html.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
     for word in
@@ -41,7 +41,7 @@ fn assert_inert(html: &str) {
     }
     for svg in pictures(html) {
         let document = roxmltree::Document::parse(svg).unwrap_or_else(|e| panic!("{e}: {svg}"));
-        // NaN in a coordinate draws nothing, without a word.
+        // Browsers silently omit shapes with NaN in a coordinate.
         let attributes = document.descendants().flat_map(|n| n.attributes().collect::<Vec<_>>());
         let bad = attributes
             .filter(|a| a.name() != "aria-label")
@@ -50,7 +50,7 @@ fn assert_inert(html: &str) {
     }
 }
 
-/// Where the marks of a picture are, with what they say, and whether they are full.
+/// Positions of the marks of a picture, their titles, and whether they are filled.
 fn marks(svg: &str) -> Vec<(f64, f64, String, bool)> {
     let document = roxmltree::Document::parse(svg).unwrap();
     let paths = document.descendants().filter(|n| n.has_tag_name("path"));
@@ -71,7 +71,7 @@ fn step(method: &str, h: f64, cost: f64, error: f64) -> SummaryRow {
 
 #[test]
 fn axes_are_logarithmic_and_front_marks_are_full() {
-    // Hundredfold errors, tenfold costs; the last is worse than the one before it.
+    // Errors differ by a factor of 100, costs by 10. The last run is worse than the one before it.
     let rows = [
         step("lcp", 1e-2, 1e-3, 1e-2),
         step("lcp", 1e-3, 1e-2, 1e-4),
@@ -81,24 +81,24 @@ fn axes_are_logarithmic_and_front_marks_are_full() {
     let html = page(&rows);
     assert_inert(&html);
     let plots: Vec<&str> = pictures(&html).into_iter().filter(|svg| svg.contains("class=\"plot\"")).collect();
-    assert_eq!(plots.len(), 1, "one error, one picture");
+    assert_eq!(plots.len(), 1, "one picture per error");
     let mut marks = marks(plots[0]);
     marks.sort_by(|a, b| a.0.total_cmp(&b.0));
     assert_eq!(marks.iter().map(|m| m.3).collect::<Vec<_>>(), [true, true, true, false]);
     let [(x0, y0, first, _), (x1, y1, ..), (x2, y2, ..), (x3, y3, last, _)] = &marks[..] else { panic!("{marks:?}") };
-    // Places are whole units.
+    // Coordinates are rounded to whole units.
     let near = |a: f64, b: f64| assert!((a - b).abs() <= 1.0, "{a} {b}");
     near(x1 - x0, x2 - x1);
     near(x2 - x1, x3 - x2);
     near(y1 - y0, y2 - y1);
-    assert!(y1 > y0, "less error is further down");
+    assert!(y1 > y0, "smaller errors are lower");
     near((y2 - y3) * 2.0, y1 - y0);
     assert_eq!(
         first,
         "lcp semi-implicit\nintegrator.step = 0.01\nerror_position_rms_m: 1.000e-2 m\ncost: 1.000e-3 s per s, 666.7 x real time\nlcp-lcp-0.01, on the Pareto front"
     );
     assert!(last.ends_with("lcp-lcp-1e-5"), "{last}");
-    assert!(html.contains(">error, m<") || plots[0].contains("error, m"), "the unit stands at the axis");
+    assert!(html.contains(">error, m<") || plots[0].contains("error, m"), "the axis has the unit");
 }
 
 #[test]
@@ -112,7 +112,7 @@ fn zero_errors_have_their_own_line() {
     assert_eq!(marks.len(), 3);
     let zero = marks.iter().find(|m| m.2.contains("error_position_rms_m: 0.000e0 m")).unwrap();
     assert!(marks.iter().all(|m| m.1 <= zero.1), "below all others: {marks:?}");
-    // Every error zero, and one run only.
+    // Only zero errors, and a single run.
     for rows in [&[step("exact", 1e-2, 0.1, 0.0), step("exact", 1e-3, 0.2, 0.0)][..], &[step("exact", 1e-2, 0.1, 0.5)]]
     {
         let html = page(rows);
@@ -157,7 +157,7 @@ fn untrusted_text_is_escaped() {
     let html = page_with(&[row], &[EVIL.to_owned()]);
     let rest = html.replace("&lt;img src=x onerror=", "");
     assert_inert(&rest);
-    assert!(!html.contains("<img") && html.matches("&lt;script&gt;").count() > 10, "shown as text, everywhere");
+    assert!(!html.contains("<img") && html.matches("&lt;script&gt;").count() > 10, "shown as text everywhere");
 }
 
 #[test]
@@ -166,7 +166,7 @@ fn every_run_is_listed_and_nan_is_marked() {
     rows[3].metrics.max_penetration_m = f64::NAN;
     rows[4].metrics.max_penetration_m = f64::NEG_INFINITY;
     rows[5].metrics.max_penetration_m = 0.25;
-    rows[6].message = "why it went wrong".into();
+    rows[6].message = "reason of the failure".into();
     rows[6].outcome = Outcome::Stalled;
     let html = page(&rows);
     assert_inert(&html);
@@ -179,7 +179,7 @@ fn every_run_is_listed_and_nan_is_marked() {
         "<td class=\"n worst\">0.25</td>",
         "<td class=\"bad\">stalled</td>",
         "<td class=\"good\">passed</td>",
-        "<td>why it went wrong</td>",
+        "<td>reason of the failure</td>",
     ] {
         assert!(html.contains(cell), "{cell}");
     }
@@ -204,7 +204,7 @@ fn expectations_show_all_digits_and_failures_first() {
     row.verdicts = vec![limit, verdict];
     let html = page(&[row]);
     assert_inert(&html);
-    for words in [
+    for text in [
         "0.12345678901234568",
         ">0.125<",
         "-0.00154",
@@ -213,7 +213,7 @@ fn expectations_show_all_digits_and_failures_first() {
         "1 of 2 expectations held",
         "1 more not shown that held",
     ] {
-        assert!(html.contains(words), "{words}");
+        assert!(html.contains(text), "{text}");
     }
 }
 
@@ -227,24 +227,24 @@ fn a_page_without_runs_is_valid() {
 #[test]
 fn the_size_of_a_page_is_bounded() {
     // 40 problems of 25 steps each, all with an error.
-    let many = |problems: i64| -> Vec<SummaryRow> {
+    let sweep_rows = |problems: i64| -> Vec<SummaryRow> {
         let cell = |mu: i64, i: i64| {
             let parameters = [("floor.friction", mu.into()), ("integrator.step", i.into())];
             run("lcp", &parameters, 1.0 / (1.0 + i as f64), Some(1e-3 * (1.0 + i as f64)))
         };
         (0..problems).flat_map(|mu| (0..25).map(move |i| cell(mu, i))).collect()
     };
-    let rows = many(40);
+    let rows = sweep_rows(40);
     let thousand = page(&rows);
     assert_inert(&thousand);
-    assert!(rows.iter().all(|row| thousand.contains(&format!(">{}</td>", row.key))), "a thousand runs have room");
-    assert!(thousand.contains("16 groups more without pictures here"), "24 are drawn");
-    let mut rows = many(200);
+    assert!(rows.iter().all(|row| thousand.contains(&format!(">{}</td>", row.key))), "a thousand runs are all listed");
+    assert!(thousand.contains("16 groups more without pictures here"), "24 groups are drawn");
+    let mut rows = sweep_rows(200);
     rows[4321].outcome = Outcome::Diverged;
-    let five = page(&rows);
-    assert!(five.contains(&format!(">{}</td>", rows[4321].key)), "what went wrong is there");
-    assert!(five.contains("4000 more runs are in summary.csv"));
+    let five_thousand = page(&rows);
+    assert!(five_thousand.contains(&format!(">{}</td>", rows[4321].key)), "failed runs are listed");
+    assert!(five_thousand.contains("4000 more runs are in summary.csv"));
     assert!(thousand.len() < 2_000_000, "{}", thousand.len());
-    // Longer by some digits alone.
-    assert!(five.len() < thousand.len() + thousand.len() / 20, "{} {}", five.len(), thousand.len());
+    // The larger page is longer only by some digits.
+    assert!(five_thousand.len() < thousand.len() + thousand.len() / 20, "{} {}", five_thousand.len(), thousand.len());
 }

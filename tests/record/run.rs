@@ -1,4 +1,4 @@
-//! `run.json` and `runs.jsonl`, written and read back.
+//! Tests of `run.json` and `runs.jsonl`: written and read back.
 
 use std::path::Path;
 use stiction::files::RecordError;
@@ -8,7 +8,7 @@ use stiction::results::{
 };
 use stiction::sim::{AvoidanceTime, Metrics, Outcome};
 
-/// Metrics whose digits would show any rounding on the way.
+/// Metrics with values that reveal any rounding.
 pub fn metrics() -> Metrics {
     Metrics {
         remote_robot: false,
@@ -89,7 +89,7 @@ pub fn metrics() -> Metrics {
     }
 }
 
-/// One near its value, one beyond its limit, one that was never measured.
+/// Three verdicts: near the expected value, beyond the limit, and not measured.
 pub fn verdicts() -> Vec<Verdict> {
     let near = Verdict {
         metric: "final_base_x".into(),
@@ -112,7 +112,7 @@ pub fn verdicts() -> Vec<Verdict> {
     vec![near, beyond, never]
 }
 
-/// One error that is no number, one that is none, two truths.
+/// One infinite error, one missing error, and two truths.
 fn comparison() -> Comparison {
     Comparison {
         reference: Some("89abcdef01234567".into()),
@@ -155,7 +155,7 @@ pub fn record() -> RunRecord {
         verdicts: verdicts(),
         metrics: metrics(),
         comparison: comparison(),
-        notes: vec!["told to a person".into()],
+        notes: vec!["a note for the user".into()],
         program: "stiction 0.1.0".into(),
         inputs: vec![hash_input("block.urdf", b"abc")],
         resolved: "schema = 1\n[robot]\nmodel = \"größe.urdf\"\n".into(),
@@ -252,7 +252,7 @@ fn an_invalid_record_is_refused_with_its_path() {
 }
 
 #[test]
-fn runs_jsonl_has_a_whole_line_for_every_run() {
+fn runs_jsonl_has_a_complete_line_for_every_run() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("out/runs.jsonl");
     let row = record().summary_row();
@@ -261,7 +261,7 @@ fn runs_jsonl_has_a_whole_line_for_every_run() {
     };
     let mut log = RunsLog::append(&path).unwrap();
     log.push(&row).unwrap();
-    assert_eq!(lines().len(), 1, "on disk while the log is open");
+    assert_eq!(lines().len(), 1, "the line is on disk while the log is open");
     log.push(&row).unwrap();
     drop(log);
     RunsLog::append(&path).unwrap().push(&row).unwrap();
@@ -293,7 +293,7 @@ fn an_incomplete_last_line_is_removed() {
 }
 
 #[test]
-fn one_program_at_a_time_appends() {
+fn only_one_program_at_a_time_appends() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("runs.jsonl");
     let first = RunsLog::append(&path).unwrap();

@@ -70,10 +70,10 @@ pub fn mesh() -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
     (points.map(Point3::from).to_vec(), vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
 }
 
-/// A box, a mesh whose internal frame is turned, and a sphere under it; two soles.
+/// A box, a mesh with a rotated internal frame, and a sphere below it; two soles.
 pub fn model() -> Model {
     let colour = [0.25, 0.5, 0.75, 1.0];
-    let turned = isometry(0.01, 0.02, 0.03, [std::f64::consts::FRAC_PI_2, 0.0, 0.0]);
+    let rotated = isometry(0.01, 0.02, 0.03, [std::f64::consts::FRAC_PI_2, 0.0, 0.0]);
     let (points, triangles) = mesh();
     let mut trunk = link(
         "trunk",
@@ -90,10 +90,10 @@ pub fn model() -> Model {
     let shank = link(
         "shank",
         Some(0),
-        turned,
+        rotated,
         vec![Shape {
-            // Exactly the URDF frame: seen from there, the mesh must sit at the origin.
-            pose: turned,
+            // Equal to the URDF frame, so the mesh is at the origin of that frame.
+            pose: rotated,
             geometry: Geometry::Mesh(points, triangles),
             rgba: colour,
         }],
@@ -151,7 +151,7 @@ fn sole(tick: usize, state: &str, link: &Link, pose: &Isometry3<f64>, vertices: 
     }
 }
 
-/// Tick `tick` of a motion logged at 200 Hz: both soles down, then sliding, then in flight.
+/// Tick `tick` of a motion logged at 200 Hz. The first sole is static, sliding and free in turn.
 pub fn snapshot(tick: usize) -> Snapshot {
     let pose = |i: usize| {
         Isometry3::from_parts(
@@ -215,7 +215,7 @@ pub fn snapshot(tick: usize) -> Snapshot {
             cycles: tick as u64,
             tests: 3 * tick as u64,
             frozen: vec![tick.is_multiple_of(3), true],
-            wanted: vec![wobble(tick, 530), wobble(tick, 531)],
+            desired: vec![wobble(tick, 530), wobble(tick, 531)],
         }),
     }
 }
@@ -249,8 +249,8 @@ pub fn header(topics: TopicGroups) -> LogHeader<'static> {
     }
 }
 
-/// A writer after `ticks` snapshots and three events.
-pub fn started(path: &Path, ticks: usize, topics: TopicGroups) -> LogWriter {
+/// A writer after `ticks` snapshots and their events.
+pub fn open_log(path: &Path, ticks: usize, topics: TopicGroups) -> LogWriter {
     let mut log = LogWriter::create(path, &model(), &header(topics)).unwrap();
     for tick in 0..ticks {
         log.snapshot(&snapshot(tick)).unwrap();
@@ -265,6 +265,6 @@ pub fn started(path: &Path, ticks: usize, topics: TopicGroups) -> LogWriter {
 pub fn log(ticks: usize, topics: TopicGroups) -> Vec<u8> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
-    started(&path, ticks, topics).finish().unwrap();
+    open_log(&path, ticks, topics).finish().unwrap();
     std::fs::read(&path).unwrap()
 }

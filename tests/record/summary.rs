@@ -1,4 +1,4 @@
-//! `summary.csv` and `summary.parquet`, read back; the table for people.
+//! Tests of `summary.csv` and `summary.parquet`, read back, and of the printed tables.
 
 use super::run::record;
 use polars::prelude::{AnyValue, DataFrame, DataType};
@@ -7,12 +7,12 @@ use polars_io::csv::read::CsvReadOptions;
 use polars_io::parquet::read::ParquetReader;
 use std::fs::File;
 use stiction::results::{
-    Comparison, NUMERIC_COLUMNS, ParamValue, Shown, SummaryRow, Verdict, endings, metric, table, verdicts,
+    Comparison, ListedVerdicts, NUMERIC_COLUMNS, ParamValue, SummaryRow, Verdict, endings, metric, table, verdicts,
     write_summary,
 };
 use stiction::sim::Outcome;
 
-/// The contract, typed from the description for users.
+/// The documented columns, copied from the description for users.
 const BEFORE: &str = "scenario, key, outcome, message, method, integrator, seed";
 const AFTER: &str = "duration_s, wall_s, cpu_s, real_time_factor, steps, rejected_steps, evaluations, events, \
     state_changes, states_tested_mean, states_tested_max, impacts, jams, inconsistent, final_base_x, final_base_y, \
@@ -22,7 +22,7 @@ const AFTER: &str = "duration_s, wall_s, cpu_s, real_time_factor, steps, rejecte
     first_slip_s, first_stick_s, first_fall_s, max_projection_m, rms_penetration_m, max_tension_N, rms_tension_N, max_signorini_Nm, rms_signorini_Nm, rms_cone_excess_N, max_dissipation_gap_W, rms_dissipation_gap_W, max_creep_speed_m_per_s, rms_creep_speed_m_per_s, max_resultant_gap_N, force_flickers, max_energy_error_J, rms_energy_error_J, energy_change_J, actuator_work_J, external_work_J, joint_loss_J, friction_loss_J, impact_loss_J, final_base_wx_rad_s, final_base_wy_rad_s, final_base_wz_rad_s, final_com_x_m, final_com_y_m, final_com_z_m, final_com_vx_m_s, final_com_vy_m_s, final_com_vz_m_s, final_base_shift_m, final_base_sideways_m, final_normal_force_N, final_cop_offset_m, first_tip_s, last_impact_s, first_impact_speed_ratio, max_flight_path_drift_m, max_flight_spin_drift_Nms, max_estimate_error_m, max_estimate_error_rad, final_estimate_error_m, final_estimate_error_rad, min_self_distance_m, self_collisions, self_near_s, avoidance_cycles, avoidance_early_cycles, avoidance_blocked_cycles, avoidance_tests_mean, avoidance_tests_max, avoidance_held_share, avoidance_rms_deviation, avoidance_max_deviation, error_final_position_m, error_final_rotation_rad, \
     timing_wall_min_s, timing_wall_median_s, timing_cpu_min_s, timing_cpu_median_s, avoidance_cpu_s, avoidance_cycles_cpu_s";
 
-/// Truths known of some row.
+/// Columns of truths that some rows have.
 const TRUTHS: [&str; 2] = ["error_final_base_x", "error_first_slip_s"];
 
 fn row(parameters: &[(&str, ParamValue)]) -> SummaryRow {
@@ -46,14 +46,14 @@ fn rows() -> Vec<SummaryRow> {
     ]
 }
 
-/// The text of both files, as tables.
+/// Both files as tables, and the text of the CSV file.
 fn written(rows: &[SummaryRow]) -> (DataFrame, DataFrame, String) {
     let folder = tempfile::tempdir().unwrap();
     let files = write_summary(&folder.path().join("results"), rows).unwrap();
-    assert_eq!(std::fs::read_dir(folder.path().join("results")).unwrap().count(), 2, "nothing else is left");
+    assert_eq!(std::fs::read_dir(folder.path().join("results")).unwrap().count(), 2, "no other files");
     let text = std::fs::read_to_string(&files.csv).unwrap();
     let csv = CsvReadOptions::default()
-        // Every cell as its text: the numbers are read below, not by the writer's own library.
+        // Reads cells as text; `number` parses them independently of the writer's library.
         .with_infer_schema_length(Some(0))
         .try_into_reader_with_file_path(Some(files.csv))
         .unwrap()
@@ -74,12 +74,12 @@ fn number(frame: &DataFrame, column: &str, row: usize) -> Option<f64> {
         AnyValue::UInt64(n) => Some(n as f64),
         AnyValue::Int64(n) => Some(n as f64),
         AnyValue::String(text) => Some(text.parse().unwrap()),
-        other => panic!("{column} is no number: {other:?}"),
+        other => panic!("{column} is not a number: {other:?}"),
     }
 }
 
 #[test]
-fn columns_and_their_order_are_the_contract() {
+fn columns_and_their_order_are_as_documented() {
     let (csv, parquet, _) = written(&rows());
     let expected: Vec<&str> = BEFORE
         .split(", ")
@@ -107,7 +107,7 @@ fn numbers_read_back_to_the_last_bit_from_both_files() {
         for column in NUMERIC_COLUMNS.into_iter().chain(TRUTHS) {
             let expected = metric(row, column).map(f64::to_bits);
             assert_eq!(number(&parquet, column, i).map(f64::to_bits), expected, "parquet {column} {i}");
-            // Text keeps every value; of a NaN it keeps that it is one.
+            // Text keeps every value exactly, except for the bits of a NaN.
             let found = number(&csv, column, i);
             let same = found.map(f64::to_bits) == expected || found.is_some_and(f64::is_nan);
             assert!(same, "csv {column} {i}: {found:?}");
@@ -123,12 +123,12 @@ fn unmeasured_cells_are_empty() {
     let (csv, parquet, text) = written(&rows());
     for frame in [&csv, &parquet] {
         assert_eq!(frame.column("first_stick_s").unwrap().null_count(), 3);
-        assert_eq!(frame.column("error_position_rms_m").unwrap().null_count(), 1, "nothing to compare with");
+        assert_eq!(frame.column("error_position_rms_m").unwrap().null_count(), 1, "no reference");
         assert_eq!(frame.column("error_joint_rms_rad").unwrap().null_count(), 3);
-        assert_eq!(frame.column("error_final_base_x").unwrap().null_count(), 1, "a truth that another row knows");
+        assert_eq!(frame.column("error_final_base_x").unwrap().null_count(), 1, "a truth of other rows only");
         assert_eq!(number(frame, "first_liftoff_s", 0), None);
         assert_eq!(number(frame, "first_liftoff_s", 2), Some(0.1 + 0.2));
-        assert_eq!(number(frame, "first_slip_s", 0), Some(0.0), "happened at the start, not never");
+        assert_eq!(number(frame, "first_slip_s", 0), Some(0.0), "zero is a time, not a missing value");
         assert_eq!(number(frame, "states_tested_mean", 0), Some(10.0 / 3.0));
         assert_eq!(number(frame, "states_tested_mean", 2), None, "no selection, no mean");
     }
@@ -163,7 +163,7 @@ fn text_with_commas_and_quotes_stays_on_one_line_per_run() {
     for frame in [&csv, &parquet] {
         let messages = frame.column("message").unwrap().str().unwrap();
         assert_eq!(messages.get(0), Some("base below 0.2 m at 1.5 s, \"left\" foot first"));
-        assert_eq!(messages.get(2), None, "nothing to say");
+        assert_eq!(messages.get(2), None, "no message");
         let outcomes = frame.column("outcome").unwrap().str().unwrap();
         assert_eq!(outcomes.iter().flatten().collect::<Vec<_>>(), ["fallen", "fallen", "passed"]);
     }
@@ -292,7 +292,7 @@ fn every_column_has_its_own_metric() {
     ];
     let found = NUMERIC_COLUMNS.map(|column| (column, metric(&rows()[0], column)));
     assert_eq!(found, expected);
-    // Two marks that are empty above must not be each other.
+    // Two times that are missing above must not be exchanged.
     let mut row = rows().remove(0);
     row.metrics.first_stick_s = Some(0.25);
     assert_eq!((metric(&row, "first_stick_s"), metric(&row, "first_liftoff_s")), (Some(0.25), None));
@@ -302,7 +302,7 @@ fn every_column_has_its_own_metric() {
 }
 
 #[test]
-fn the_table_is_aligned_and_names_failures() {
+fn the_table_is_aligned_and_lists_failures() {
     let text = table(&rows(), 160) + &endings(&rows(), true);
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 6, "header, three runs, two reasons\n{text}");
@@ -314,7 +314,7 @@ fn the_table_is_aligned_and_names_failures() {
     assert!(lines[3].contains("one-step"));
     assert_eq!(lines[4], "fallen push 0123abcd (mu=0.3 n=1): base below 0.2 m at 1.5 s, \"left\" foot first");
     assert!(lines.iter().all(|l| !l.ends_with(' ')));
-    // Without room for a column of each parameter there is one for all, and names are clipped.
+    // A narrow table has one column for all parameters, and clips names.
     let narrow = table(&rows(), 72);
     assert!(narrow.lines().all(|line| line.chars().count() <= 72), "{narrow}");
     assert!(narrow.contains("paramet…") && narrow.contains("0.700"), "{narrow}");
@@ -329,13 +329,13 @@ fn scenarios_with_different_parameters_have_separate_tables() {
     assert_eq!(headers.len(), 2, "{text}");
     assert!(headers[0].contains("mu") && headers[0].contains(" n ") && !headers[0].contains("force"), "{text}");
     assert!(headers[1].contains("force.0.force") && !headers[1].contains("mu"), "{text}");
-    assert!(!text.contains("expect.0.value"), "the table of verdicts has it: {text}");
+    assert!(!text.contains("expect.0.value"), "it is in the table of verdicts: {text}");
 }
 
 #[test]
 fn verdicts_name_their_run_briefly() {
     let shown = |parameters: &[(&str, ParamValue)]| {
-        let text = verdicts(&[row(parameters)], Shown::All, 120);
+        let text = verdicts(&[row(parameters)], ListedVerdicts::All, 120);
         text.lines().nth(1).unwrap().strip_prefix("push ").unwrap().to_owned()
     };
     let robot = ("robot.model", "../../robots/block/block.toml".into());
@@ -348,33 +348,33 @@ fn verdicts_name_their_run_briefly() {
 fn verdicts_show_measured_and_expected_value_and_error() {
     let rows =
         [row(&[("robot.base.rpy", "[0, 0, 1]".into()), ("floor.rpy", 2.into()), ("floor.friction", 0.5.into())])];
-    let cells = |shown: Shown| -> Vec<Vec<String>> {
+    let cells = |shown: ListedVerdicts| -> Vec<Vec<String>> {
         let text = verdicts(&rows, shown, 100);
         assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
         text.lines()
             .map(|l| l.split("  ").map(str::trim).filter(|w| !w.is_empty()).map(str::to_owned).collect())
             .collect()
     };
-    let value = cells(Shown::Values);
-    // Names that end alike are written out, and the run is named once.
+    let value = cells(ListedVerdicts::Values);
+    // Names with the same last part are written in full, and the run is named once.
     assert_eq!(value[1], ["push robot.base.rpy=[0, 0, 1] floor.rpy=2 friction=0…"]);
     assert_eq!(value[2], ["final_base_x", "0.333333", "0.3", "3.3e-2", "1.1e-1", "1.0e-1", "yes"]);
     assert_eq!(value[3], ["final_cop_offset_m", "inf", "<= 1e-9", "inf", "-", "-", "NO"]);
     assert_eq!(value[4], ["first_stick_s", "-", ">= 0.5", "-", "-", "-", "NO"]);
     assert_eq!(value[5], ["1 of 3 expectations held"]);
-    let failed = cells(Shown::Failed);
+    let failed = cells(ListedVerdicts::Failed);
     assert_eq!(failed[1..3], [value[1].clone(), value[3].clone()]);
     assert_eq!(failed[4], ["1 of 3 expectations held; 1 not shown here, see --verdicts"]);
-    assert_eq!(cells(Shown::All), value);
+    assert_eq!(cells(ListedVerdicts::All), value);
     // An error far below the value is visible in it.
     let mut close = rows[0].clone();
     let near = Verdict { measured: Some(0.3 + 1e-9), error: Some(1e-9), held: false, ..close.verdicts[0].clone() };
     close.verdicts = vec![near];
-    let text = verdicts(&[close], Shown::Failed, 100);
+    let text = verdicts(&[close], ListedVerdicts::Failed, 100);
     assert!(text.contains(" 0.300000001 ") && text.contains(" 0.3 "), "{text}");
     assert_eq!(
-        verdicts(&[SummaryRow { verdicts: Vec::new(), ..rows[0].clone() }], Shown::All, 100),
+        verdicts(&[SummaryRow { verdicts: Vec::new(), ..rows[0].clone() }], ListedVerdicts::All, 100),
         "",
-        "nothing is expected"
+        "no expectations"
     );
 }

@@ -1,4 +1,4 @@
-//! Tests of the encoded messages, decoded with the descriptors in the file alone.
+//! Tests of the encoded messages, decoded only with the descriptors in the file.
 
 use super::sample;
 use mcap::MessageStream;
@@ -33,7 +33,8 @@ fn double(bytes: &[u8]) -> String {
     format!("{:?}", f64::from_le_bytes(bytes.try_into().unwrap()))
 }
 
-/// Maps field names to values by the descriptor of `message`. Panics if bytes and descriptor disagree.
+/// Maps field names to values by the descriptor of `message`. Panics if bytes and descriptor
+/// disagree.
 fn read<'d>(set: &'d FileDescriptorSet, message: &str, mut bytes: &[u8]) -> BTreeMap<&'d str, Vec<String>> {
     const FIXED_64: u64 = 1;
     const DELIMITED: u64 = 2;
@@ -57,7 +58,7 @@ fn read<'d>(set: &'d FileDescriptorSet, message: &str, mut bytes: &[u8]) -> BTre
                         let inner = field.type_name().strip_prefix(".stiction.").unwrap();
                         values.push(format!("{:?}", read(set, inner, body)));
                     }
-                    other => panic!("{}: {other:?} is not used here", field.name()),
+                    other => panic!("{}: {other:?} is not supported", field.name()),
                 }
             }
             (wire, kind) => panic!("{} is {kind:?} on wire type {wire}", field.name()),

@@ -1,12 +1,12 @@
-//! Large files are read in a time that grows as they do, or refused for their size. Work that grew with the square of it took
-//! minutes for each of these.
+//! Large files are read in a time proportional to their size, or refused. Each of these took
+//! minutes when the time was quadratic.
 
 use super::targets::{motion, scenario, tree, urdf};
 use stiction::scenario::Diagnostics;
 
 const BLOCK: &str = "robot.model = \"../robots/block/block.toml\"\n";
 
-/// What is wrong with a scenario, before it meets its robot.
+/// Errors of a scenario, before it is checked against its robot.
 #[track_caller]
 fn refused(text: &str) -> Diagnostics {
     let file = stiction::scenario::parse(&tree::root().join("scenarios/large.toml"), text).unwrap();
@@ -17,13 +17,13 @@ fn refused(text: &str) -> Diagnostics {
     expansion.check(&mut |_| {}).expect_err("it is sound")
 }
 
-/// Lines made from their numbers.
+/// Lines generated from their indices.
 fn lines(count: usize, line: impl Fn(usize) -> String) -> String {
     (0..count).map(line).collect()
 }
 
 #[test]
-fn lists_that_are_too_long_are_refused_where_they_begin() {
+fn too_long_lists_are_refused_with_their_position() {
     let event = |i| format!("[[event]]\nat = {i}e-4\nset = {{ \"floor.friction\" = 0.3 }}\n");
     let task = |_| "[[task]]\ntype = \"posture\"\njoints = { a = 1.0 }\n".to_owned();
     let corners = lines(1001, |i| format!("[{i}, {}], ", i * i));
@@ -43,23 +43,23 @@ fn lists_that_are_too_long_are_refused_where_they_begin() {
             "`k1000` is one too many: at most 1000 keys",
         ),
     ];
-    for (text, words) in cases {
+    for (text, message) in cases {
         let wrong = refused(&format!("{BLOCK}{text}"));
-        assert!(wrong.iter().any(|d| d.message.contains(words) && d.position.is_some()), "{words}: {}", wrong.0[0]);
+        assert!(wrong.iter().any(|d| d.message.contains(message) && d.position.is_some()), "{message}: {}", wrong.0[0]);
     }
 }
 
 #[test]
-fn of_many_mistakes_the_first_are_shown_and_the_others_counted() {
+fn of_many_errors_the_first_are_shown_and_the_others_counted() {
     let wrong = refused(&format!("{BLOCK}{}", lines(100_000, |i| format!("k{i} = 1\n"))));
     assert_eq!(wrong.len(), 201);
     assert_eq!(wrong.0[200].message, "there are 99800 more errors");
-    // Such as only the robot tells.
+    // Errors that only the check against the robot finds.
     scenario::take(format!("{BLOCK}[robot.posture]\n{}", lines(50_000, |i| format!("j{i} = 1\n"))).as_bytes());
 }
 
 #[test]
-fn motions_with_many_tracks() {
+fn motions_with_many_tracks_are_read() {
     let names = lines(200_000, |i| format!(",j{i}"));
     motion::take(format!("ctime{names}\n0{}\n", ",1".repeat(200_000)).as_bytes());
     let joints = lines(50_000, |i| format!("j{i} = 1, ")).replace(", ", ",");
@@ -71,7 +71,7 @@ fn motions_with_many_tracks() {
 }
 
 #[test]
-fn urdfs_with_many_parts() {
+fn urdfs_with_many_parts_are_read() {
     let inertial = "<inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>";
     let robot = |inside: &str| format!("<robot name=\"r\">{inside}</robot>");
     let link = |i| format!("<link name=\"l{i}\">{inertial}</link>");

@@ -1,6 +1,6 @@
-//! Findings of fuzzing stay fixed, and nearly valid files give an error, not a panic.
+//! Inputs found by fuzzing no longer fail, and nearly valid files give an error, not a panic.
 //!
-//! Both go through the very functions that the fuzz targets call (`fuzz/src`).
+//! Both use the functions that the fuzz targets call (`fuzz/src`).
 
 mod large;
 mod mutation;
@@ -23,8 +23,8 @@ const TARGETS: [(&str, Take); 7] = [
     ("wire", targets::wire::take),
 ];
 
-/// What took longer was a finding of its own; a fuzz target is given as long.
-const PATIENCE: Duration = Duration::from_secs(10);
+/// Longest time for one input; the same as the timeout of a fuzz target.
+const TIMEOUT: Duration = Duration::from_secs(10);
 
 fn files(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
@@ -34,19 +34,19 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 }
 
 #[test]
-fn what_fuzzing_found_is_mended() {
-    let kept = targets::tree::root().join("tests/fuzz_regressions");
-    for folder in files(&kept) {
+fn fuzzing_findings_stay_fixed() {
+    let regressions = targets::tree::root().join("tests/fuzz_regressions");
+    for folder in files(&regressions) {
         let name = folder.file_name().unwrap().to_str().unwrap();
         assert!(TARGETS.iter().any(|(target, _)| *target == name), "{name} is no target");
     }
     for (target, take) in TARGETS {
-        for file in files(&kept.join(target)) {
-            // Shown if it panics.
+        for file in files(&regressions.join(target)) {
+            // Printed if the test panics.
             println!("{}", file.display());
             let start = Instant::now();
             take(&std::fs::read(&file).unwrap());
-            assert!(start.elapsed() < PATIENCE, "{} takes {:?}", file.display(), start.elapsed());
+            assert!(start.elapsed() < TIMEOUT, "{} takes {:?}", file.display(), start.elapsed());
         }
     }
 }

@@ -1,14 +1,15 @@
-//! Seeds of the repository with a few things changed in each: words replaced by others of the file or by such as break
-//! things, lines left out, doubled and exchanged, bytes turned. Always the same changes.
+//! Runs the parsers on mutated files of the repository. Mutations replace tokens by others of the
+//! file or by edge cases, delete, duplicate and move lines, and change characters. They are
+//! deterministic.
 
 use super::targets::{self, tree};
 use super::{Take, files};
 
-/// Changed copies of each seed.
+/// Mutated copies of each seed.
 const COPIES: u64 = 6;
 
-/// What stands for a number or a word.
-const WORDS: [&str; 18] = [
+/// Edge cases that replace a token.
+const EDGE_CASES: [&str; 18] = [
     "0",
     "-1",
     "1e308",
@@ -29,7 +30,7 @@ const WORDS: [&str; 18] = [
     "[[",
 ];
 
-/// SplitMix64: a seed gives one stream, everywhere.
+/// SplitMix64: a seed gives the same stream on every machine.
 struct Stream(u64);
 
 impl Stream {
@@ -45,8 +46,8 @@ impl Stream {
     }
 }
 
-/// Where words stand: runs of what can be in names and numbers.
-fn words(text: &str) -> Vec<(usize, usize)> {
+/// Byte ranges of tokens: runs of characters that occur in names and numbers.
+fn tokens(text: &str) -> Vec<(usize, usize)> {
     let within = |c: char| c.is_alphanumeric() || "_.-".contains(c);
     let mut found = Vec::new();
     let mut start = None;
@@ -63,18 +64,18 @@ fn words(text: &str) -> Vec<(usize, usize)> {
     found
 }
 
-fn changed(text: &str, stream: &mut Stream) -> String {
+fn mutated(text: &str, stream: &mut Stream) -> String {
     let mut text = text.to_owned();
     for _ in 0..1 + stream.below(3) {
-        let words = words(&text);
+        let tokens = tokens(&text);
         let mut lines: Vec<&str> = text.lines().collect();
         text = match stream.below(6) {
-            0 | 1 if !words.is_empty() => {
-                let (from, to) = words[stream.below(words.len())];
-                format!("{}{}{}", &text[..from], WORDS[stream.below(WORDS.len())], &text[to..])
+            0 | 1 if !tokens.is_empty() => {
+                let (from, to) = tokens[stream.below(tokens.len())];
+                format!("{}{}{}", &text[..from], EDGE_CASES[stream.below(EDGE_CASES.len())], &text[to..])
             }
-            2 if !words.is_empty() => {
-                let ((from, to), other) = (words[stream.below(words.len())], words[stream.below(words.len())]);
+            2 if !tokens.is_empty() => {
+                let ((from, to), other) = (tokens[stream.below(tokens.len())], tokens[stream.below(tokens.len())]);
                 format!("{}{}{}", &text[..from], &text[other.0..other.1], &text[to..])
             }
             3 if !lines.is_empty() => {
@@ -96,7 +97,8 @@ fn changed(text: &str, stream: &mut Stream) -> String {
     text
 }
 
-/// Files below folders of the repository with an ending, and what each kind of them is begun with.
+/// Runs a target on mutated copies of all files with this extension in folders of the repository;
+/// each letter is a prefix that selects the kind of input.
 fn check(target: Take, folders: &[&str], ending: &str, letters: &str) {
     let mut folders: Vec<_> = folders.iter().map(|folder| tree::root().join(folder)).collect();
     let mut seeds = Vec::new();
@@ -115,59 +117,59 @@ fn check(target: Take, folders: &[&str], ending: &str, letters: &str) {
         let text = std::fs::read_to_string(path).unwrap();
         for copy in 0..COPIES {
             let mut stream = Stream(1000 * number as u64 + copy);
-            let changed = changed(&text, &mut stream);
-            // Shown if it panics.
-            println!("{} changed, copy {copy}:\n{changed}", path.display());
+            let mutated = mutated(&text, &mut stream);
+            // Printed if the test panics.
+            println!("{} mutated, copy {copy}:\n{mutated}", path.display());
             if letters.is_empty() {
-                target(changed.as_bytes());
+                target(mutated.as_bytes());
             }
-            letters.chars().for_each(|letter| target(format!("{letter}{changed}").as_bytes()));
+            letters.chars().for_each(|letter| target(format!("{letter}{mutated}").as_bytes()));
         }
     }
 }
 
 #[test]
-fn scenarios_that_are_nearly_sound() {
+fn nearly_valid_scenarios_do_not_panic() {
     check(targets::scenario::take, &["scenarios", "tests/scenario"], "toml", "");
 }
 
 #[test]
-fn robot_files_that_are_nearly_sound() {
+fn nearly_valid_robot_files_do_not_panic() {
     check(targets::robot_file::take, &["robots"], "toml", "");
 }
 
 #[test]
-fn urdfs_that_are_nearly_sound() {
+fn nearly_valid_urdfs_do_not_panic() {
     check(targets::urdf::take, &["robots", "scenarios"], "urdf", "");
 }
 
 #[test]
-fn motions_that_are_nearly_sound() {
+fn nearly_valid_motions_do_not_panic() {
     check(targets::motion::take, &["scenarios/motions"], "toml", "p");
     check(targets::motion::take, &["scenarios/motions"], "csv", "clm");
     check(targets::motion::take, &["scenarios/motions"], "bvh", "b");
 }
 
 #[test]
-fn scripts_that_are_nearly_sound() {
+fn nearly_valid_scripts_do_not_panic() {
     check(targets::script::take, &["scenarios"], "luau", "tTHfF");
 }
 
 #[test]
-fn meshes_that_are_nearly_sound() {
+fn nearly_valid_meshes_do_not_panic() {
     check(targets::mesh::take, &["fuzz/seeds/mesh"], "obj", "o");
     check(targets::mesh::take, &["fuzz/seeds/mesh"], "dae", "d");
 }
 
 #[test]
-fn packets_that_are_nearly_sound() {
+fn nearly_valid_packets_do_not_panic() {
     let mut stream = Stream(1);
     for kind in targets::wire::KINDS {
-        for seal in targets::wire::SEALS {
+        for tag in targets::wire::TAGS {
             for copy in 0..200 {
-                let mut packet = vec![kind, seal, if copy % 4 == 0 { stream.next() as u8 } else { 0 }];
+                let mut packet = vec![kind, tag, if copy % 4 == 0 { stream.next() as u8 } else { 0 }];
                 for _ in 0..stream.below(4) {
-                    // Most of them where the header and the sizes are.
+                    // Half of the offsets fall into the header and the sizes.
                     let end = if stream.below(2) == 0 { 64 } else { 1024 };
                     packet.extend_from_slice(&(stream.below(end) as u16).to_le_bytes());
                     packet.push(stream.next() as u8);

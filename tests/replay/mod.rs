@@ -4,7 +4,8 @@ use crate::cli::{Done, Place};
 use serde_json::Value;
 use std::fs;
 
-/// The block falls, slides and comes to rest; compared with a finer run, judged, swept and repeated.
+/// The block falls, slides and comes to rest; compared with a finer run, judged, swept and
+/// repeated.
 const FALL: &str = r#"
 base = { position = [0, 0, 0.05], linear_velocity = [1, 0, 0], rpy = [0.1, 0, 0] }
 [floor]
@@ -37,7 +38,7 @@ fn folders(place: &Place, scenario: &str) -> Vec<String> {
     found
 }
 
-fn fallen() -> Place {
+fn finished_sweep() -> Place {
     let place = Place::new();
     place.block("in/fall.toml", FALL);
     fs::rename(place.path("block"), place.path("in/block")).unwrap();
@@ -46,7 +47,7 @@ fn fallen() -> Place {
 }
 
 /// One run without comparison.
-fn slid() -> (Place, String) {
+fn finished_run() -> (Place, String) {
     let place = Place::new();
     // With fixed steps, a longer run is equal up to the end of the shorter one.
     let text = "base = { linear_velocity = [1, 0, 0] }\n[log]\nrate = 100\n[integrator]\nmethod = \"rk4\"\n";
@@ -65,60 +66,60 @@ fn tamper(place: &Place, folder: &str, change: impl FnOnce(&mut Value)) {
 }
 
 #[track_caller]
-fn says(said: &Done, words: &str) {
-    assert!(said.stdout.contains(words) || said.stderr.contains(words), "{}\n{}", said.stdout, said.stderr);
+fn assert_prints(done: &Done, text: &str) {
+    assert!(done.stdout.contains(text) || done.stderr.contains(text), "{}\n{}", done.stdout, done.stderr);
 }
 
 #[test]
 fn every_run_of_a_sweep_gives_the_same_bits() {
-    let place = fallen();
+    let place = finished_sweep();
     let before = fs::read(place.path("results/summary.csv")).unwrap();
-    let said = place.runner(&["replay", "results"]).exits(0);
+    let done = place.runner(&["replay", "results"]).exits(0);
     // Four runs and the references they were compared with: one for each method and seed.
-    let runs = said.stdout.matches(": same bits (run.json and log.mcap)").count();
-    let references = said.stdout.matches(": same bits (run.json; it left no log)").count();
-    assert_eq!((runs, references), (4, 4), "{}", said.stdout);
-    says(&said, "8 runs gave the same bits, 0 did not");
+    let runs = done.stdout.matches(": same bits (run.json and log.mcap)").count();
+    let references = done.stdout.matches(": same bits (run.json; there is no log)").count();
+    assert_eq!((runs, references), (4, 4), "{}", done.stdout);
+    assert_prints(&done, "8 runs gave the same bits, 0 did not");
     assert_eq!(fs::read(place.path("results/summary.csv")).unwrap(), before, "the results are unchanged");
     // The scenario file may be missing or changed, because the record contains the scenario.
     fs::remove_file(place.path("in/fall.toml")).unwrap();
     let key = folders(&place, "fall")[0].rsplit('/').next().unwrap().to_owned();
-    says(&place.runner(&["replay", &key[..8]]).exits(0), "same bits");
+    assert_prints(&place.runner(&["replay", &key[..8]]).exits(0), "same bits");
 }
 
 #[test]
 fn output_keeps_the_results_of_a_rerun() {
-    let (place, folder) = slid();
+    let (place, folder) = finished_run();
     place.runner(&["replay", &folder, "-o", "again"]).exits(0);
     let again = place.path(&folder.replace("results", "again"));
     let logs = [place.path(&folder), again].map(|f| fs::read(f.join("log.mcap")).unwrap());
     assert!(logs[0] == logs[1]);
-    let said = place.runner(&["replay", &folder, "-o", "results"]).exits(2);
-    says(&said, "would be written over");
+    let done = place.runner(&["replay", &folder, "-o", "results"]).exits(2);
+    assert_prints(&done, "would be written over");
 }
 
 #[test]
 fn base_gives_the_folder_of_relative_paths() {
-    let (place, folder) = slid();
+    let (place, folder) = finished_run();
     fs::create_dir(place.path("other")).unwrap();
     let from =
         |arguments: &[&str]| Done::from(place.command(arguments).current_dir(place.path("other")).output().unwrap());
     let folder = format!("../{folder}");
     let lost = from(&["replay", &folder]).exits(2);
-    says(&lost, "block.toml");
-    says(
+    assert_prints(&lost, "block.toml");
+    assert_prints(
         &lost,
         "its scenario was slide.toml, which does not exist in this directory: run this command where the batch was started",
     );
-    says(&from(&["replay", &folder, "--base", ".."]).exits(0), "same bits");
+    assert_prints(&from(&["replay", &folder, "--base", ".."]).exits(0), "same bits");
     tamper(&place, &folder[3..], |record| drop(record["timing"].as_object_mut().unwrap().remove("file")));
-    says(&from(&["replay", &folder]).exits(2), "--base FOLDER");
-    says(&from(&["replay", &folder, "--base", ".."]).exits(0), "same bits");
+    assert_prints(&from(&["replay", &folder]).exits(2), "--base FOLDER");
+    assert_prints(&from(&["replay", &folder, "--base", ".."]).exits(0), "same bits");
 }
 
 #[test]
 fn a_changed_metric_is_reported_with_both_values() {
-    let (place, folder) = slid();
+    let (place, folder) = finished_run();
     let mut was = String::new();
     tamper(&place, &folder, |record| {
         let x = &mut record["metrics"]["final_base_position"][0];
@@ -126,17 +127,17 @@ fn a_changed_metric_is_reported_with_both_values() {
         // The next representable number.
         *x = f64::from_bits(x.as_f64().unwrap().to_bits() + 1).into();
     });
-    let said = place.runner(&["replay", &folder]).exits(1);
-    says(&said, ": differs");
-    says(&said, "run.json: metrics.final_base_position.0: ");
-    says(&said, &format!(" then, {was} now\n"));
+    let done = place.runner(&["replay", &folder]).exits(1);
+    assert_prints(&done, ": differs");
+    assert_prints(&done, "run.json: metrics.final_base_position.0: ");
+    assert_prints(&done, &format!(" then, {was} now\n"));
     tamper(&place, &folder, |record| record["outcome"] = "fallen".into());
-    says(&place.runner(&["replay", &folder]).exits(1), "(and 1 more value)");
+    assert_prints(&place.runner(&["replay", &folder]).exits(1), "(and 1 more value)");
 }
 
 #[test]
 fn a_changed_log_is_reported_at_its_first_difference() {
-    let (place, folder) = slid();
+    let (place, folder) = finished_run();
     // The log of a run with another initial speed, and of one that ends later.
     let log = place.path(&folder).join("log.mcap");
     let other = |override_: &str| {
@@ -146,52 +147,52 @@ fn a_changed_log_is_reported_at_its_first_difference() {
         fs::remove_dir_all(place.path("other")).unwrap();
         place.runner(&["replay", &folder]).exits(1)
     };
-    let said = other("robot.base.linear_velocity=[1.5, 0, 0]");
-    says(&said, "log.mcap: at 0.0 s, `base_vx_m_s`: 1.5 then, 1.0 now");
-    let said = other("duration=0.4");
-    says(&said, "log.mcap: from 0.31 s on: 41 ticks then, 31 ticks now");
+    let done = other("robot.base.linear_velocity=[1.5, 0, 0]");
+    assert_prints(&done, "log.mcap: at 0.0 s, `base_vx_m_s`: 1.5 then, 1.0 now");
+    let done = other("duration=0.4");
+    assert_prints(&done, "log.mcap: from 0.31 s on: 41 ticks then, 31 ticks now");
     // Equal motion, another scenario: only the attached text differs.
-    let said = other("description=\"another\"");
-    says(&said, "log.mcap: attached text: slide.toml then");
+    let done = other("description=\"another\"");
+    assert_prints(&done, "log.mcap: attached text: slide.toml then");
     let mut bytes = fs::read(&log).unwrap();
     let middle = bytes.len() / 2;
     bytes[middle] ^= 1;
     fs::write(&log, bytes).unwrap();
-    says(&place.runner(&["replay", &folder]).exits(1), "damaged");
+    assert_prints(&place.runner(&["replay", &folder]).exits(1), "damaged");
 }
 
 #[test]
 fn changed_inputs_are_named() {
-    let (place, folder) = slid();
+    let (place, folder) = finished_run();
     let path = place.path("block/block.toml");
     let text = fs::read_to_string(&path).unwrap();
     fs::write(&path, format!("{text}\n# a remark\n")).unwrap();
-    let said = place.runner(&["replay", &folder]).exits(0);
-    says(&said, "warning: slide ");
-    says(&said, "block.toml has changed since");
-    says(&said, "same values, though not all is as it was");
+    let done = place.runner(&["replay", &folder]).exits(0);
+    assert_prints(&done, "warning: slide ");
+    assert_prints(&done, "block.toml has changed since");
+    assert_prints(&done, "same values despite the changes");
     let urdf = place.path("block/block.urdf");
     let heavier = fs::read_to_string(&urdf).unwrap();
     let mass = heavier.split("<mass value=\"").nth(1).unwrap().split('"').next().unwrap().to_owned();
     fs::write(&urdf, heavier.replace(&format!("<mass value=\"{mass}\""), &format!("<mass value=\"{mass}1\""))).unwrap();
-    let said = place.runner(&["replay", &folder]).exits(1);
-    says(&said, "block.urdf has changed since");
-    says(&said, "differs");
+    let done = place.runner(&["replay", &folder]).exits(1);
+    assert_prints(&done, "block.urdf has changed since");
+    assert_prints(&done, "differs");
     fs::remove_file(&urdf).unwrap();
-    says(&place.runner(&["replay", &folder]).exits(2), "block.urdf");
+    assert_prints(&place.runner(&["replay", &folder]).exits(2), "block.urdf");
 }
 
 #[test]
 fn a_changed_scenario_in_the_record_is_detected() {
-    let (place, folder) = slid();
+    let (place, folder) = finished_run();
     tamper(&place, &folder, |record| {
         let text = record["resolved"].as_str().unwrap().replace("duration = 0.3", "duration = 0.2");
         record["resolved"] = text.into();
     });
-    let said = place.runner(&["replay", &folder]).exits(1);
-    says(&said, "the scenario in the record is not the one that was run");
+    let done = place.runner(&["replay", &folder]).exits(1);
+    assert_prints(&done, "the scenario in the record is not the one that was run");
     tamper(&place, &folder, |record| record["resolved"] = "robot = 1".into());
-    says(&place.runner(&["replay", &folder]).exits(2), "the run cannot be re-run");
+    assert_prints(&place.runner(&["replay", &folder]).exits(2), "the run cannot be re-run");
     tamper(&place, &folder, |record| record["program"] = "stiction 0.0.1".into());
     fs::write(place.path(&folder).join("run.json"), "{}").unwrap();
     place.runner(&["replay", &folder]).exits(2);
@@ -199,31 +200,31 @@ fn a_changed_scenario_in_the_record_is_detected() {
 
 #[test]
 fn another_program_is_named() {
-    let (place, folder) = slid();
+    let (place, folder) = finished_run();
     tamper(&place, &folder, |record| record["program"] = "stiction 0.0.1".into());
-    let said = place.runner(&["replay", &folder]).exits(0);
-    says(&said, "it was run by stiction 0.0.1, this is stiction ");
+    let done = place.runner(&["replay", &folder]).exits(0);
+    assert_prints(&done, "it was run by stiction 0.0.1, this is stiction ");
 }
 
 #[test]
 fn another_build_is_named_and_the_bits_are_compared() {
-    let (place, folder) = slid();
-    let mut own = String::new();
+    let (place, folder) = finished_run();
+    let mut build = String::new();
     tamper(&place, &folder, |record| {
-        own = record["timing"]["build"].as_str().unwrap().to_owned();
+        build = record["timing"]["build"].as_str().unwrap().to_owned();
         record["timing"]["build"] = "0123456789abcdef".into();
     });
-    assert!(own.len() == 16 && own == stiction::results::BUILD, "{own}");
-    let said = place.runner(&["replay", &folder]).exits(0);
-    says(&said, &format!("it was run by another build of this version, 0123456789abcdef, this is {own}"));
-    says(&said, "same bits (run.json and log.mcap)");
+    assert!(build.len() == 16 && build == stiction::results::BUILD, "{build}");
+    let done = place.runner(&["replay", &folder]).exits(0);
+    assert_prints(&done, &format!("it was run by another build of this version, 0123456789abcdef, this is {build}"));
+    assert_prints(&done, "same bits (run.json and log.mcap)");
     let resumed = place.runner(&["slide.toml", "--set", "duration=0.3", "--resume"]).exits(0);
-    says(&resumed, "resumed: 1 run done already\n  1 run of these by another build of this version");
+    assert_prints(&resumed, "resumed: 1 run done already\n  1 run of these by another build of this version");
 }
 
 #[test]
 fn contact_problems_are_written_to_the_output_folder() {
-    let (place, folder) = slid();
+    let (place, folder) = finished_run();
     place.runner(&["replay", &folder, "--dump-problems=all"]).exits(2);
     place.runner(&["replay", &folder, "--dump-problems=all", "-o", "again"]).exits(0);
     let again = place.path("again").join(folder.strip_prefix("results/").unwrap());
@@ -243,29 +244,32 @@ fn a_timed_out_run_is_compared_up_to_its_end() {
     place.runner(&["long.toml", "--set", "duration=1e6", "--timeout", "0.3"]).exits(3);
     let folder = folders(&place, "long").remove(0);
     let log = fs::read(place.path(&folder).join("log.mcap"));
-    let said = place.runner(&["replay", &folder, "--timeout", "3"]).exits(0);
+    let done = place.runner(&["replay", &folder, "--timeout", "3"]).exits(0);
     match log {
-        Ok(_) => says(&said, "same bits up to where it was ended from outside"),
-        Err(_) => says(&said, "there is nothing to compare"),
+        Ok(_) => assert_prints(&done, "same bits up to the external termination"),
+        Err(_) => assert_prints(&done, "nothing to compare"),
     }
 }
 
 #[test]
 fn unknown_and_ambiguous_keys_are_refused() {
-    let (place, folder) = slid();
-    says(&place.runner(&["replay", "0000000000000000"]).exits(2), "no run below results has a key that begins with");
-    says(&place.runner(&["replay", "x", "--results", "nowhere"]).exits(2), "nowhere");
+    let (place, folder) = finished_run();
+    assert_prints(
+        &place.runner(&["replay", "0000000000000000"]).exits(2),
+        "no run below results has a key that begins with",
+    );
+    assert_prints(&place.runner(&["replay", "x", "--results", "nowhere"]).exits(2), "nowhere");
     place.runner(&["slide.toml", "--set", "duration=0.1"]).exits(0);
-    says(&place.runner(&["replay", ""]).exits(2), "is the beginning of several keys");
-    says(&place.runner(&["replay", &format!("{folder}/run.json")]).exits(0), "same bits");
+    assert_prints(&place.runner(&["replay", ""]).exits(2), "is the beginning of several keys");
+    assert_prints(&place.runner(&["replay", &format!("{folder}/run.json")]).exits(0), "same bits");
     fs::create_dir(place.path("empty")).unwrap();
-    says(&place.runner(&["replay", "empty"]).exits(4), "nothing selected");
+    assert_prints(&place.runner(&["replay", "empty"]).exits(4), "nothing selected");
     place.runner(&["replay"]).exits(2);
 }
 
 #[test]
 fn a_missing_log_is_reported() {
-    let (place, folder) = slid();
+    let (place, folder) = finished_run();
     fs::remove_file(place.path(&folder).join("log.mcap")).unwrap();
     let done = place.runner(&["replay", &folder]).exits(1);
     assert!(done.stdout.contains("log.mcap: the log is missing, although the record has its hash"), "{}", done.stdout);
@@ -273,15 +277,15 @@ fn a_missing_log_is_reported() {
 
 #[test]
 fn a_reached_time_limit_prevents_the_comparison_of_that_run_only() {
-    let (place, folder) = slid();
-    let said = place.runner(&["replay", &folder, "--timeout", "1e-9"]).exits(3);
-    says(&said, "not finished within --timeout, it stands at ");
-    assert!(!said.stdout.contains("differs") && !said.stdout.contains("same bits"), "{}", said.stdout);
+    let (place, folder) = finished_run();
+    let done = place.runner(&["replay", &folder, "--timeout", "1e-9"]).exits(3);
+    assert_prints(&done, "not finished within --timeout, stopped at ");
+    assert!(!done.stdout.contains("differs") && !done.stdout.contains("same bits"), "{}", done.stdout);
     // A run that cannot be re-run does not prevent the others.
     place.block("other.toml", "");
     place.runner(&["other.toml", "--set", "duration=0.1"]).exits(0);
     tamper(&place, &folder, |record| drop(record["timing"].as_object_mut().unwrap().remove("file")));
-    let said = place.runner(&["replay", "results"]).exits(2);
-    says(&said, "--base FOLDER");
-    says(&said, "1 run gave the same bits, 0 did not, 1 run not made again");
+    let done = place.runner(&["replay", "results"]).exits(2);
+    assert_prints(&done, "--base FOLDER");
+    assert_prints(&done, "1 run gave the same bits, 0 did not, 1 run not re-run");
 }

@@ -1,4 +1,4 @@
-//! What scenarios change.
+//! Changes that scenarios make to a robot.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 use stiction::robot::adjustments::{DriveSettings, SolePolygon, add_payload, set_default_drive, set_drive, set_soles};
@@ -10,8 +10,8 @@ fn hoap2() -> Model {
     shipped("hoap2/hoap2.toml").model
 }
 
-/// Inertia about the root's origin of everything rigid at the zero posture: a number that does not depend on how links
-/// are cut, by the definition (sum of tensors and m (|r|^2 1 - r r^T)).
+/// Inertia of all links about the root's origin at the zero posture. By its definition (sum of
+/// tensors and m (|r|^2 1 - r r^T)) it does not depend on the division into links.
 fn about_origin(model: &Model) -> (f64, Vector3<f64>, Matrix3<f64>) {
     let zero = vec![0.0; model.nj()];
     let poses = super::convention::by_model(model, &zero);
@@ -29,10 +29,10 @@ fn about_origin(model: &Model) -> (f64, Vector3<f64>, Matrix3<f64>) {
 }
 
 #[test]
-fn a_payload_adds_its_own_moments_wherever_it_hangs() {
+fn a_payload_adds_its_own_moments_on_any_link() {
     let inertia = [3e-3, 4e-3, 5e-3, 1e-4, -2e-4, 3e-4];
     let position = Vector3::new(0.05, -0.02, 0.1);
-    // The foot's internal frame is turned (its axis is x), the torso's is not.
+    // The foot's internal frame is rotated (its axis is x), the torso's is not.
     for link in ["torso", "l_foot"] {
         let mut model = hoap2();
         let before = about_origin(&model);
@@ -51,7 +51,7 @@ fn a_payload_adds_its_own_moments_wherever_it_hangs() {
 }
 
 #[test]
-fn payloads_that_make_no_sense_are_refused() {
+fn invalid_payloads_are_refused() {
     let mut model = hoap2();
     let untouched = model.clone();
     let zero = Vector3::zeros();
@@ -71,7 +71,7 @@ fn payloads_that_make_no_sense_are_refused() {
 }
 
 #[test]
-fn drives_change_only_what_is_named() {
+fn drives_change_only_the_named_values() {
     let mut model = hoap2();
     let before = model.clone();
     let settings = DriveSettings { kp: Some(50.0), coulomb: Some(0.1), effort: Some(3.0), ..Default::default() };
@@ -90,7 +90,7 @@ fn drives_change_only_what_is_named() {
 }
 
 #[test]
-fn default_drives_fill_only_what_nothing_configured() {
+fn default_drives_fill_only_unconfigured_joints() {
     let text = format!(
         "<robot name=\"r\"><link name=\"a\">{BODY}</link><link name=\"b\">{BODY}</link><link name=\"c\">{BODY}</link>\
          <joint name=\"j\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/></joint>\
@@ -110,7 +110,7 @@ fn soles_are_replaced_in_the_urdf_frame() {
     let [right, left] = [("right", -0.031), ("left", 0.031)].map(|(name, y): (&str, f64)| SolePolygon {
         name: name.into(),
         link: if y > 0.0 { "l_foot".into() } else { "r_foot".into() },
-        // Clockwise seen from above: to be turned round, the first vertex kept.
+        // Clockwise seen from above: the order is reversed, the first vertex stays first.
         polygon: [(0.0582, 0.031), (0.0582, -0.031), (-0.0358, -0.031), (-0.0358, 0.031)]
             .map(|(x, y)| Vector3::new(x, y, -0.0405))
             .to_vec(),

@@ -1,4 +1,4 @@
-//! Robot files with one thing wrong each.
+//! Robot files with one error each.
 
 use super::{BODY, assert_fault, load_toml};
 use nalgebra::{Rotation3, Vector3};
@@ -122,7 +122,7 @@ const CASES: &[(&str, &str, usize, &str)] = &[
 ];
 
 #[test]
-fn the_file_without_faults_loads() {
+fn the_file_without_errors_loads() {
     let robot = load_toml(GOOD, &urdf()).unwrap();
     assert_eq!(robot.files.len(), 2);
     assert!(robot.files[0].0.ends_with("robot.toml") && robot.files[1].0.ends_with("robot.urdf"));
@@ -131,7 +131,7 @@ fn the_file_without_faults_loads() {
 }
 
 #[test]
-fn each_fault_is_named_with_its_line() {
+fn each_error_is_reported_with_its_line() {
     for &(from, to, line, needle) in CASES {
         assert!(GOOD.contains(from), "`{from}` is not in the file: the case tests nothing");
         let case = format!("{from} -> {to}");
@@ -140,7 +140,7 @@ fn each_fault_is_named_with_its_line() {
 }
 
 #[test]
-fn joint_default_fills_what_a_joint_leaves_out() {
+fn joint_default_fills_values_that_a_joint_omits() {
     use stiction::robot::DriveMode;
     let text = "urdf = \"robot.urdf\"\n[joint_default]\nkp = 7.0\nkd = 1.0\n[joint.knee]\nkd = 2.0\nfriction = { coulomb = 0.5 }\n";
     let robot = load_toml(text, &urdf()).unwrap();
@@ -154,9 +154,9 @@ fn joint_default_fills_what_a_joint_leaves_out() {
     assert_eq!(plain.model.joints[0].armature, 0.1);
 }
 
-/// Nothing else would look at them.
+/// With no joints, nothing else would check the table.
 #[test]
-fn joint_default_is_looked_at_though_there_are_no_joints() {
+fn joint_default_is_checked_even_without_joints() {
     let alone = format!("<robot name=\"r\"><link name=\"base\">{BODY}</link></robot>");
     for (key, needle) in [
         ("stop = { stiffness = 0 }", "stop.stiffness of joint_default cannot be used: 0"),
@@ -183,7 +183,7 @@ fn end_effectors_are_frames_of_their_links() {
     assert_eq!((tip.name.as_str(), root.name.as_str(), model.end_effector("root")), ("tip", "root", Some(1)));
     let (link, frame) = model.link("foot").unwrap();
     assert_eq!(tip.link, link);
-    // In the link's own frame: where it was said to be, x y z turned about fixed axes.
+    // In the link's own frame: at the given position, rotated about fixed axes x y z.
     let own = frame.inverse() * tip.pose;
     assert!((own.translation.vector - Vector3::new(0.1, 0.2, 0.3)).norm() < 1e-15);
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 0.5)
@@ -195,7 +195,7 @@ fn end_effectors_are_frames_of_their_links() {
 }
 
 #[test]
-fn imus_are_frames_of_their_links_and_are_shown() {
+fn imus_are_frames_of_their_links_and_are_listed() {
     let more = "[sensors]\nimu = [{ name = \"head\", link = \"cart\" },\n\
                 { name = \"leg\", link = \"foot\", position = [0.1, 0.2, 0.3], rpy = [\"90 deg\", 0, 0.5] }]\n";
     let robot = load_toml(&format!("{GOOD}{more}"), &urdf()).unwrap();
@@ -215,7 +215,7 @@ fn imus_are_frames_of_their_links_and_are_shown() {
 }
 
 #[test]
-fn force_sensors_are_read_on_links_with_a_sole_only() {
+fn force_sensors_are_accepted_only_on_links_with_a_sole() {
     let more = "[sensors]\nforce = [{ name = \"a\", link = \"foot\", position = [0, 0, 0.1] },\n\
                 { name = \"b\", link = \"foot\" },\n{ name = \"c\", link = \"base\" }]\n";
     let robot = load_toml(&format!("{GOOD}{more}"), &urdf()).unwrap();

@@ -1,4 +1,4 @@
-//! URDF files with one thing wrong each: the error must name the line and the thing.
+//! URDF files with one error each: the message must name the line and the cause.
 
 use super::{assert_fault, load_urdf};
 
@@ -23,7 +23,7 @@ const GOOD: &str = r#"<robot name="r">
 </robot>
 "#;
 
-/// What is replaced by what, the line that must be named, words that must be in the message.
+/// Text, its replacement, the line that the error must name, text that the message must contain.
 const CASES: &[(&str, &str, usize, &str)] = &[
     ("<robot name=\"r\">", "<sdf name=\"r\">", 19, "not well-formed"),
     ("  </link>\n  <joint", "  </lnk>\n  <joint", 8, "not well-formed"),
@@ -35,7 +35,7 @@ const CASES: &[(&str, &str, usize, &str)] = &[
     ("rpy=\"0 0 0\"", "rpy=\"0 nan 0\"", 10, "3 finite numbers"),
     ("lower=\"-1\"", "lower=\"-inf\"", 14, "a finite number"),
     ("xyz=\"0 0 1\" rpy", "xyz=\"0 0 ${h}\" rpy", 10, "xacro"),
-    ("<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 0\"/>", 13, "axis of no length"),
+    ("<axis xyz=\"0 0 1\"/>", "<axis xyz=\"0 0 0\"/>", 13, "axis of length 0"),
     ("<child link=\"b\"/>", "<child link=\"B\"/>", 12, "did you mean `b`"),
     ("<parent link=\"a\"/>", "<parent link=\"nobody\"/>", 11, "unknown parent link"),
     ("<child link=\"b\"/>", "", 9, "joint `j`: <joint> lacks <child>"),
@@ -81,13 +81,13 @@ const CASES: &[(&str, &str, usize, &str)] = &[
 ];
 
 #[test]
-fn the_file_without_faults_loads() {
+fn the_file_without_errors_loads() {
     let robot = load_urdf(GOOD).unwrap();
     assert_eq!(robot.model.nv(), 7);
 }
 
 #[test]
-fn each_fault_is_named_with_its_line() {
+fn each_error_is_reported_with_its_line() {
     for &(from, to, line, needle) in CASES {
         assert!(GOOD.contains(from), "`{from}` is not in the file: the case tests nothing");
         let case = format!("{from} -> {to}");
@@ -96,19 +96,25 @@ fn each_fault_is_named_with_its_line() {
 }
 
 #[test]
-fn a_root_that_is_no_robot_is_named() {
+fn a_root_element_other_than_robot_is_reported() {
     assert_fault("sdf", load_urdf("<sdf>\n</sdf>"), "robot.urdf", 1, "not a URDF");
 }
 
 #[test]
-fn loops_are_named() {
+fn loops_are_reported() {
     let joint = |name: &str, a: &str, b: &str| {
         format!("<joint name=\"{name}\" type=\"continuous\"><parent link=\"{a}\"/><child link=\"{b}\"/></joint>\n")
     };
     let links = "<robot name=\"r\">\n<link name=\"a\"/>\n<link name=\"b\"/>\n<link name=\"c\"/>\n<link name=\"d\"/>\n";
     let closed = [joint("1", "b", "c"), joint("2", "c", "d"), joint("3", "d", "b")].concat();
     let ring = format!("{links}{closed}</robot>");
-    assert_fault("a ring beside the root", load_urdf(&ring), "robot.urdf", 3, "a loop through the links `b`, `c`, `d`");
+    assert_fault(
+        "a ring apart from the root",
+        load_urdf(&ring),
+        "robot.urdf",
+        3,
+        "a loop through the links `b`, `c`, `d`",
+    );
     let all = format!("{links}{closed}{}{}</robot>", joint("4", "b", "a"), "");
     assert_fault("no root at all", load_urdf(&all), "robot.urdf", 2, "every link is moved by a joint");
     let diamond = [joint("1", "a", "b"), joint("2", "a", "c"), joint("3", "b", "d"), joint("4", "c", "d")].concat();

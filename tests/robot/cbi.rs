@@ -1,4 +1,5 @@
-//! CB-i against the published figures: groups of masses, lengths, the whole centre of mass, senses of the joints.
+//! CB-i against the published figures: group masses, lengths, the total centre of mass, senses of
+//! the joints.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 use stiction::robot::{DriveMode, Link, Model};
@@ -11,7 +12,7 @@ fn cbi() -> Model {
     shipped("cbi/cbi.toml").model
 }
 
-/// Sum over the links moved by the joints of these names, and the root for "".
+/// Mass of the links moved by the joints of these names, and of the root for "".
 fn mass_of(model: &Model, joints: impl Fn(&str) -> bool) -> f64 {
     let name = |i: usize| if i == 0 { "" } else { model.joints[i - 1].name.as_str() };
     (0..model.links.len()).filter(|&i| joints(name(i))).map(|i| model.links[i].mass).sum()
@@ -21,7 +22,7 @@ const ARM: [&str; 7] = ["SFE", "SAA", "HR", "EB", "WR", "WFE", "WAA"];
 const LEG: [&str; 7] = ["HAA", "HFE", "HFR", "KFE", "AR", "AFE", "AAA"];
 
 #[test]
-fn files_give_no_cause_for_words() {
+fn files_load_without_notices() {
     for robot in ["cbi/cbi.toml", "cbi/cbi-92.toml", "quadruped/quadruped.toml"] {
         assert!(shipped(robot).notices.is_empty(), "{:?}", shipped(robot).notices);
     }
@@ -52,18 +53,19 @@ fn masses_add_up_to_the_published_groups() {
         (group(&["EP", "ET"], "L_") + group(&["EP", "ET"], "R_"), 0.529),
     ];
     for (found, figure) in published {
-        // Both are printed to a gram or finer: half a gram, and rounding of the links' 0.1 g.
+        // Both are printed to a gram or finer: the tolerance is half a gram, plus rounding of the
+        // links' 0.1 g.
         assert!((found - figure).abs() < 0.8e-3, "{found} kg instead of {figure}");
     }
 }
 
 #[test]
-fn lengths_and_centre_of_mass_are_those_published() {
+fn lengths_and_centre_of_mass_match_the_published_values() {
     let model = cbi();
     let zero = [0.0; 38];
     let at = |link: &str| origin(&model, &zero, link);
     let com = centre_of_mass(&model, &zero);
-    // From mid-hip, which is the root's origin; published to 0.1 mm.
+    // From mid-hip, the root's origin; published to 0.1 mm.
     assert!((com - Vector3::new(-0.0090, 0.0009, -0.0318)).amax() < 1e-4, "{com}");
     let torso = at("torso");
     let published = [
@@ -82,16 +84,16 @@ fn lengths_and_centre_of_mass_are_those_published() {
         (at("l_ankle").x - com.x, 0.010),
     ];
     for (found, figure) in published {
-        // Printed to 0.1 mm; the last one to 1 mm, and it is 0.0101.
+        // Printed to 0.1 mm; the last one to 1 mm, with the value 0.0101.
         assert!((found - figure).abs() < 1.5e-4, "{found} m instead of {figure}");
     }
-    // Top of the head, 0.280 above the neck point, over the soles.
+    // Top of the head, 0.280 above the neck point, measured from the soles.
     let sole = level_soles(&model, &zero);
     assert!((at("neck_nod").z + 0.280 - sole - 1.591).abs() < 5e-4, "{}", at("neck_nod").z + 0.280 - sole);
 }
 
 #[test]
-fn every_tensor_is_a_bodys() {
+fn every_inertia_tensor_is_physical() {
     for robot in ["cbi/cbi.toml", "cbi/cbi-92.toml"] {
         for link in &shipped(robot).model.links {
             let [least, middle, greatest] = moments(link);
@@ -117,11 +119,12 @@ fn right_mirrors_left() {
         let (left, right) = (&model.links[l + 1], &model.links[r + 1]);
         let ((cl, il), (cr, ir)) = (in_urdf(left), in_urdf(right));
         assert_eq!(left.mass, right.mass);
-        // Exact in the file; the way there and back through the internal frame rounds.
+        // Exact in the file; the conversion to the internal frame and back rounds.
         assert!((flip * cl - cr).norm() < 1e-15 && (flip * il * flip - ir).norm() < 1e-16, "{name}");
         let place = |link: &Link| poses[&link.name].fixed_view::<3, 1>(0, 3).into_owned();
         assert!((flip * place(left) - place(right)).norm() < 1e-15, "{name}");
-        // A rotation is an axial vector: its mirror image keeps y and turns x and z round. So the ranges stay.
+        // A rotation is an axial vector: its mirror image keeps y and reverses x and z. The ranges
+        // therefore stay.
         let axis = |link: &Link| link.urdf_frame.rotation.inverse() * Vector3::z();
         assert!((flip * axis(left) + axis(right)).norm() < 1e-15, "{name}");
         let (jl, jr) = (&model.joints[l], &model.joints[r]);
@@ -130,9 +133,9 @@ fn right_mirrors_left() {
     }
 }
 
-/// What a positive angle does, in the words of the sources.
+/// The effect of a positive angle, as the sources describe it.
 #[test]
-fn joints_turn_the_way_the_figures_say() {
+fn joints_rotate_in_the_directions_of_the_figures() {
     let toes = Vector3::new(0.2, 0.0, 0.0);
     let (o, x, y, z) = (Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z());
     senses(
@@ -141,7 +144,7 @@ fn joints_turn_the_way_the_figures_say() {
             ("L_HAA", "l_foot", o, -y, "left leg inward"),
             ("R_HAA", "r_foot", o, y, "right leg inward"),
             ("L_HFE", "l_foot", o, x, "leg forward"),
-            // A point well ahead: the tilted axis passes close to the toes.
+            // A point far ahead: the tilted axis passes close to the toes.
             ("L_HFR", "l_foot", x, y, "left toes outward"),
             ("R_HFR", "r_foot", x, -y, "right toes outward"),
             ("L_KFE", "l_foot", o, -x, "knee flexes backward"),
@@ -165,7 +168,7 @@ fn joints_turn_the_way_the_figures_say() {
 }
 
 #[test]
-fn home_stands_on_level_soles() {
+fn at_home_the_soles_are_level() {
     for robot in ["cbi/cbi.toml", "cbi/cbi-92.toml"] {
         let model = shipped(robot).model;
         level_soles(&model, &model.home);
@@ -176,7 +179,7 @@ fn home_stands_on_level_soles() {
 }
 
 #[test]
-fn ninety_two_kilograms_are_the_same_robot_under_declared_loads() {
+fn the_92_kg_robot_is_the_same_robot_with_declared_loads() {
     let (light, heavy) = (cbi(), shipped("cbi/cbi-92.toml").model);
     assert!((heavy.mass() - 92.0).abs() < 1e-3, "{}", heavy.mass());
     for (a, b) in light.links.iter().zip(&heavy.links) {
@@ -198,6 +201,6 @@ fn ninety_two_kilograms_are_the_same_robot_under_declared_loads() {
 }
 
 #[test]
-fn the_urdf_is_what_the_script_prints() {
+fn the_urdf_equals_the_output_of_its_script() {
     urdf_is_printed_by_its_script("cbi");
 }

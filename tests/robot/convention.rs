@@ -1,7 +1,9 @@
-//! The internal frames: z is the joint axis, and they lead to the same places as the URDF read literally.
+//! The internal frames: z is the joint axis, and the link poses equal those of the URDF read
+//! literally.
 //!
-//! The reference here is a reader of its own: 4x4 matrices, Rodrigues' formula about the axis as written, no welding, no
-//! turned frames, and nothing of the library but the parsed numbers of `urdf-rs`.
+//! The reference is an independent reader. It uses 4x4 matrices, Rodrigues' formula about the axis
+//! as written, no welding and no rotated frames. It shares only the parsed numbers of `urdf-rs`
+//! with the library.
 
 use std::collections::HashMap;
 
@@ -32,7 +34,7 @@ fn homogeneous(r: Matrix3<f64>, p: Vector3<f64>) -> Matrix4<f64> {
     m
 }
 
-/// Pose of every URDF link with respect to the root link, the file read literally.
+/// Pose of every URDF link with respect to the root link, with the file read literally.
 fn literal(text: &str, q: &HashMap<String, f64>) -> HashMap<String, Matrix4<f64>> {
     let urdf = urdf_rs::read_from_string(text).unwrap();
     let mut poses = HashMap::new();
@@ -87,7 +89,8 @@ pub fn by_model(model: &Model, q: &[f64]) -> HashMap<String, Matrix4<f64>> {
     named
 }
 
-/// A chain with branches: axes, origins and joint types from the sequence, the axes of the coordinate directions among them.
+/// A chain with branches: axes, origins and joint types from the sequence, including axes along the
+/// coordinate directions.
 pub fn tangled(sequence: &mut Sequence, links: usize) -> String {
     let mut text = format!("<robot name=\"tangled\"><link name=\"l0\">{BODY}</link>");
     let coordinate =
@@ -116,7 +119,7 @@ fn worst_difference(model: &Model, text: &str, sequence: &mut Sequence) -> f64 {
 }
 
 #[test]
-fn internal_frames_lead_where_the_urdf_does() {
+fn internal_frames_give_the_link_poses_of_the_urdf() {
     let mut sequence = Sequence(7);
     for _ in 0..20 {
         let text = tangled(&mut sequence, 40);
@@ -127,7 +130,7 @@ fn internal_frames_lead_where_the_urdf_does() {
 }
 
 #[test]
-fn so_do_those_of_hoap2() {
+fn internal_frames_of_hoap2_give_the_link_poses_of_the_urdf() {
     let robot = shipped("hoap2/hoap2.toml");
     let worst = worst_difference(&robot.model, &robot.urdf_text, &mut Sequence(3));
     // As above, with lever arms below a metre.

@@ -1,6 +1,6 @@
-//! Every URDF of PyPI's `example-robot-data`, by path as shipped. Skipped, and said so, where the package is not
-//! installed: it is looked for at EXAMPLE_ROBOT_DATA (its folder `example-robot-data` or `robots`), then in the usual
-//! places of Python packages.
+//! Loads every URDF of PyPI's `example-robot-data`, with and without `--repair`. Skipped with a
+//! message if the package is not installed. The test searches EXAMPLE_ROBOT_DATA (its folder
+//! `example-robot-data` or `robots`), then the usual locations of Python packages.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,8 @@ use stiction::robot::{InertiaPolicy, Robot, load_with};
 use super::finding::polygon;
 use crate::analytic::support;
 
-/// What is refused as shipped: the URDF, words of the error, and how many of Pinocchio's joints the repair locks.
+/// URDFs refused as shipped: the path, text of the error, and how many of Pinocchio's joints the
+/// repair locks.
 const REFUSED: &[(&str, &str, usize)] = &[
     ("icub_description/robots/icub.urdf", "the inertia of link `r_hip_2` is not positive definite", 1),
     ("icub_description/robots/icub_reduced.urdf", "the inertia of link `r_hip_2` is not positive definite", 0),
@@ -21,7 +22,7 @@ const REFUSED: &[(&str, &str, usize)] = &[
     ("romeo_description/urdf/romeo_small.urdf", "the inertia of link `RShoulderYawLink` breaks the triangle", 0),
 ];
 
-/// Expanded by nobody: it holds no links.
+/// Not expanded from its xacro file: it has no links.
 const EMPTY: &str = "ur_description/urdf/ur3.urdf";
 
 fn robots() -> Option<PathBuf> {
@@ -43,7 +44,7 @@ fn robots() -> Option<PathBuf> {
     packages.map(|p| p.join("cmeel.prefix/share/example-robot-data")).find_map(at)
 }
 
-/// The folder of robots, or a word that the test does nothing.
+/// The folder of robots; prints that the test is skipped if there is none.
 fn robots_or_skip(test: &str) -> Option<PathBuf> {
     let found = robots();
     if found.is_none() {
@@ -55,20 +56,22 @@ fn robots_or_skip(test: &str) -> Option<PathBuf> {
 }
 
 #[test]
-fn all_load_with_the_joints_and_the_mass_that_pinocchio_finds() {
+fn all_robots_load_with_the_joints_and_mass_of_pinocchio() {
     let Some(folder) = robots_or_skip("loading the example robots") else { return };
     let oracle: Value = serde_json::from_str(include_str!("../oracles/example_robots.json")).unwrap();
     let robots: Vec<(&String, &Value)> = oracle["robots"].as_object().unwrap().iter().collect();
     assert_eq!(robots.len(), 69);
     let judged: Vec<Result<(), String>> = robots
         .par_iter()
-        .map(|&(name, expected)| judge(&folder.join(name), name, expected).map_err(|why| format!("{name}: {why}")))
+        .map(|&(name, expected)| {
+            compare_with_pinocchio(&folder.join(name), name, expected).map_err(|why| format!("{name}: {why}"))
+        })
         .collect();
     let wrong: Vec<String> = judged.into_iter().filter_map(Result::err).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-fn judge(path: &Path, name: &str, expected: &Value) -> Result<(), String> {
+fn compare_with_pinocchio(path: &Path, name: &str, expected: &Value) -> Result<(), String> {
     let loaded = load_with(path, None);
     if name == EMPTY {
         return match loaded {
@@ -106,11 +109,12 @@ fn judge(path: &Path, name: &str, expected: &Value) -> Result<(), String> {
     if refused.is_none() && (trace - theirs).abs() > 1e-12 * theirs {
         return Err(format!("{trace} kg m^2 on the diagonals, Pinocchio has {theirs}"));
     }
-    shapes_are_there(&robot)
+    assert_shapes(&robot)
 }
 
-/// Every mesh but those on a machine that is not ours; every triangle's corners; flat soles.
-fn shapes_are_there(robot: &Robot) -> Result<(), String> {
+/// Checks that no mesh is missing except those with a `file:///` path, that every triangle has its
+/// corners, and that soles are flat.
+fn assert_shapes(robot: &Robot) -> Result<(), String> {
     let lost = robot.notices.iter().find(|n| n.message.contains("left out") && !n.message.contains("file:///"));
     if let Some(notice) = lost {
         return Err(notice.to_string());
@@ -118,7 +122,7 @@ fn shapes_are_there(robot: &Robot) -> Result<(), String> {
     for i in 0..robot.model.soles.len() {
         let p = polygon(robot, i);
         let plane = |q: &Vector3<f64>| (p[1] - p[0]).cross(&(p[2] - p[0])).normalize().dot(&(q - p[0]));
-        // Rounding of coordinates below 1 m, amplified where the first corner is blunt.
+        // Rounding of coordinates below 1 m, amplified where the first corner is obtuse.
         if p.is_empty() || p.len() > 3 && p.iter().any(|q| plane(q).abs() > 1e-9) {
             return Err(format!("sole {i}: {p:?}"));
         }
@@ -126,8 +130,8 @@ fn shapes_are_there(robot: &Robot) -> Result<(), String> {
     Ok(())
 }
 
-/// Stands on the soles found, by a position servo, for 5 s. Returns the greatest distance of the base from where it was
-/// after the first second, in which the joints sag under the weight.
+/// Stands on the detected soles with a position servo for 5 s. Returns the greatest distance of the
+/// base from its position after the first second, in which the joints sag under the weight.
 fn stand(urdf: &Path, kp: f64, kd: f64) -> f64 {
     let text = format!(
         "duration = 5.0\n[robot]\nmodel = {urdf:?}\njoint_default = {{ kp = {kp}, kd = {kd} }}\n\
@@ -142,7 +146,7 @@ fn stand(urdf: &Path, kp: f64, kd: f64) -> f64 {
 }
 
 #[test]
-fn talos_and_g1_stand_for_five_seconds_on_the_soles_found() {
+fn talos_and_g1_stand_for_five_seconds_on_detected_soles() {
     let Some(folder) = robots_or_skip("standing of Talos and G1") else { return };
     for (urdf, kp, kd) in [
         ("talos_data/robots/talos_reduced.urdf", 5000.0, 200.0),

@@ -1,4 +1,5 @@
-//! What published or designed figures are held against, computed from a loaded model by its documented conventions.
+//! Quantities to compare with published or designed figures, computed from a loaded model by its
+//! documented conventions.
 
 use std::path::Path;
 use std::process::Command;
@@ -57,22 +58,27 @@ pub fn margins(model: &Model, q: &[f64]) -> [f64; 4] {
     [com.x - side(f64::min, 0), side(f64::max, 0) - com.x, com.y - side(f64::min, 1), side(f64::max, 1) - com.y]
 }
 
-/// Joint, link, point in its frame, direction, and that in words.
+/// Joint, link, point in its frame, direction, and the direction in description.
 pub type Sense<'a> = (&'a str, &'a str, Vector3<f64>, Vector3<f64>, &'a str);
 
-/// Each joint turned from zero by +0.2 rad moves a point of a link (in its frame) mostly in the direction given.
+/// Asserts that each joint, rotated from zero by +0.2 rad, moves a point of a link (in its frame)
+/// mostly in the given direction.
 pub fn senses(model: &Model, cases: &[Sense]) {
-    for (joint, link, point, direction, words) in cases {
+    for (joint, link, point, direction, description) in cases {
         let mut q = vec![0.0; model.nj()];
         let at = |q: &[f64]| by_model(model, q)[*link].transform_point(&Point3::from(*point)).coords;
         let before = at(&q);
         q[model.joint(joint).unwrap().0] = 0.2;
         let moved = at(&q) - before;
-        assert!(moved.dot(direction) > 0.01 && moved.dot(direction) > 0.6 * moved.norm(), "{joint}: {words}? {moved}");
+        assert!(
+            moved.dot(direction) > 0.01 && moved.dot(direction) > 0.6 * moved.norm(),
+            "{joint}: {description}? {moved}"
+        );
     }
 }
 
-/// The URDF in `robots/NAME` is what `make_urdf.py` beside it prints. Says so and does nothing where there is no Python.
+/// Asserts that the URDF in `robots/NAME` is the output of its `make_urdf.py`. Skipped with a
+/// message without Python.
 pub fn urdf_is_printed_by_its_script(name: &str) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots").join(name);
     let committed = std::fs::read_to_string(folder.join(format!("{name}.urdf"))).unwrap();

@@ -1,4 +1,4 @@
-//! Soles of robots that name none.
+//! Detection of soles of robots that name none.
 
 use nalgebra::{Point3, Vector3};
 use stiction::robot::{Robot, inspect};
@@ -19,7 +19,7 @@ fn same_ring(a: &[Vector3<f64>], b: &[Vector3<f64>], tolerance: f64) -> bool {
 }
 
 #[test]
-fn the_bare_block_gets_the_sole_its_robot_file_gives() {
+fn the_bare_block_gets_the_sole_of_its_robot_file() {
     let (given, found) = (shipped("block/block.toml"), shipped("block/block.urdf"));
     assert!(same_ring(&polygon(&given, 0), &polygon(&found, 0), 0.0), "{:?}", polygon(&found, 0));
     assert!(found.notices.iter().any(|n| n.message.contains("sole `block` found on link `block`")));
@@ -59,11 +59,11 @@ fn round_feet_are_points_and_lines() {
 }
 
 #[test]
-fn balls_at_the_corners_of_a_foot_stand_together() {
+fn balls_at_the_corners_of_a_foot_form_one_sole() {
     let ball = |x: f64, y: f64, z: f64, r: f64| {
         format!("<collision><origin xyz=\"{x} {y} {z}\"/><geometry><sphere radius=\"{r}\"/></geometry></collision>")
     };
-    // One more on the shin does not.
+    // A ball on the shin does not count.
     let balls =
         [ball(0.1, 0.0, 0.0, 0.01), ball(0.0, 0.2, 0.0, 0.01), ball(-0.1, 0.0, 0.01, 0.02), ball(0.0, 0.0, 1.0, 0.01)];
     let found = polygon(&standing_on(&balls.concat()), 0);
@@ -79,7 +79,7 @@ fn a_link_without_collision_shapes_has_the_sole_of_its_visual_shapes() {
     assert!(robot.notices.iter().any(|n| n.message.contains("by its visual shapes")), "{:?}", robot.notices);
 }
 
-/// A foot given as a mesh: `corners` of its bottom, from which it narrows to a point at height `top`.
+/// A foot given as a mesh: `corners` of its bottom, tapering to a point at height `top`.
 fn on_mesh(corners: &[Vector3<f64>], top: f64) -> Robot {
     let mut obj: String = corners.iter().map(|p| format!("v {} {} {}\n", p.x, p.y, p.z)).collect();
     obj += &format!("v 0 0 {top}\n");
@@ -112,14 +112,14 @@ fn a_bumpy_mesh_gives_a_flat_sole_and_a_small_one_a_point() {
     assert!(normal.dot(&(p[3] - p[0])).abs() < 1e-16, "{p:?}");
     assert!(p.iter().zip(plate(0.1, 2e-4)).all(|(a, _)| a.z.abs() < 2e-4), "{p:?}");
     assert!(robot.notices.iter().any(|n| n.message.contains("mm onto one plane")), "{:?}", robot.notices);
-    // 2 cm under a robot of 1 m.
+    // 2 cm below a robot of 1 m.
     assert_eq!(polygon(&on_mesh(&plate(0.01, 0.0), 1.0), 0).len(), 1);
     // 10 cm by 5 mm: a line.
     let blade = [(0.05, 0.002), (-0.05, 0.002), (-0.05, -0.002), (0.05, -0.002)].map(|(x, y)| Vector3::new(x, y, 0.0));
     assert_eq!(polygon(&on_mesh(&blade, 1.0), 0).len(), 2);
 }
 
-/// A slab with a rounded top of very many vertices; its hull takes a time that grows as their square.
+/// A slab with a rounded top of very many vertices; the time of its hull grows as their square.
 #[test]
 fn the_sole_of_a_mesh_of_many_vertices_is_its_lowest_face() {
     let (n, half) = (200, 0.1);
@@ -130,7 +130,7 @@ fn the_sole_of_a_mesh_of_many_vertices_is_its_lowest_face() {
     obj += "f 1 3 2\nf 1 4 3\n";
     for i in 0..n {
         for j in 0..n {
-            // Of the sphere about (0, 0, -0.5) with radius 0.6, all on the hull.
+            // On the sphere about (0, 0, -0.5) with radius 0.6, so all are on the hull.
             let (x, y) = (half * (2 * i + 1 - n) as f64 / n as f64, half * (2 * j + 1 - n) as f64 / n as f64);
             obj += &format!("v {x} {y} {}\n", (0.36 - x * x - y * y).sqrt() - 0.5);
         }
@@ -147,14 +147,14 @@ fn the_sole_of_a_mesh_of_many_vertices_is_its_lowest_face() {
     let folder = super::folder(&[("r.urdf", &text), ("m.obj", &obj)]);
     let robot = stiction::robot::load(&folder.path().join("r.urdf")).unwrap();
     let [sole] = &robot.model.soles[..] else { panic!("{:?}", robot.notices) };
-    // The reader of OBJ keeps 24 bits: rounding to micrometres.
+    // The OBJ reader keeps 24 bits: rounding to micrometres.
     let mut found: Vec<[f64; 3]> = sole.vertices.iter().map(|v| (*v).map(|x| (x * 1e6).round() / 1e6).into()).collect();
     found.sort_by(|a, b| a.partial_cmp(b).unwrap());
     assert_eq!(found, [[-half, -half, -0.05], [-half, half, -0.05], [half, -half, -0.05], [half, half, -0.05]]);
 }
 
 #[test]
-fn a_foot_tilted_at_home_still_gives_its_whole_face() {
+fn a_foot_tilted_at_home_gives_its_whole_face() {
     let tilted = "<collision><origin rpy=\"0.1 0.2 0\"/><geometry><box size=\"0.2 0.1 0.04\"/></geometry></collision>";
     let found = polygon(&standing_on(tilted), 0);
     let turn = nalgebra::UnitQuaternion::from_euler_angles(0.1, 0.2, 0.0);

@@ -33,7 +33,7 @@ fn feet(robot: &Robot, q: &[f64]) -> Vec<Vec<Vector3<f64>>> {
 }
 
 #[test]
-fn counts_and_mass_are_those_published() {
+fn counts_and_mass_match_the_published_values() {
     let model = robot().model;
     assert_eq!((model.nj(), model.links.len(), model.nv(), model.soles.len()), (25, 26, 31, 2));
     // The sum of the 26 published masses, to the printed 10 g/1000.
@@ -42,11 +42,12 @@ fn counts_and_mass_are_those_published() {
 }
 
 #[test]
-fn the_centre_of_mass_is_where_the_figures_put_it() {
+fn the_centre_of_mass_matches_the_published_value() {
     let model = robot().model;
     let com = centre_of_mass(&model, &[0.0; 25]);
-    // x and y as published to their last digit (1e-4). The published height -0.0131 counts the two simulation-only sole
-    // plates (0.020 kg each, 0.033 below the ankle), which the robot does not have: added here, by hand.
+    // x and y as published to their last digit (1e-4). The published height -0.0131 includes the
+    // two simulation-only sole plates (0.020 kg each, 0.033 below the ankle), which the robot does
+    // not have. The test adds them.
     assert!((com.xy() - Vector3::new(-0.0154, 0.0001, 0.0).xy()).norm() < 1e-4, "{com}");
     let plates = 2.0 * 0.020;
     let with_plates = (com.z * model.mass() + plates * (-0.055 - 0.200 - 0.033)) / (model.mass() + plates);
@@ -54,7 +55,7 @@ fn the_centre_of_mass_is_where_the_figures_put_it() {
 }
 
 #[test]
-fn at_home_both_soles_are_level_and_carry_the_centre_of_mass() {
+fn at_home_both_soles_are_level_below_the_centre_of_mass() {
     let robot = robot();
     let feet = feet(&robot, &robot.model.home);
     let floor = feet[0][0].z;
@@ -68,7 +69,8 @@ fn at_home_both_soles_are_level_and_carry_the_centre_of_mass() {
     let side = |pick: fn(f64, f64) -> f64, axis: usize| feet.iter().flatten().map(|v| v[axis]).reduce(pick).unwrap();
     let margins =
         [com.x - side(f64::min, 0), side(f64::max, 0) - com.x, com.y - side(f64::min, 1), side(f64::max, 1) - com.y];
-    // The support is the rectangle around both soles, since they stand side by side. At least 20 mm to every edge.
+    // The support is the rectangle around both soles, since they are side by side. At least 20 mm
+    // to every edge.
     assert!(margins.iter().all(|m| *m > 0.020), "{margins:?}");
 }
 
@@ -91,11 +93,11 @@ fn right_mirrors_left() {
         };
         let ((cl, il), (cr, ir)) = (in_urdf(left), in_urdf(right));
         let flip = nalgebra::Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, 1.0));
-        // Exact in the file; the way there and back through the internal frame rounds.
+        // Exact in the file; the conversion to the internal frame and back rounds.
         assert!((mirror(cl) - cr).norm() < 1e-16 && (flip * il * flip - ir).norm() < 1e-18, "{}", left.name);
         let origin = |name: &str| poses[name].fixed_view::<3, 1>(0, 3).into_owned();
         assert!((mirror(origin(&left.name)) - origin(&right.name)).norm() < 1e-16);
-        // A mirror turns rotations about x and z round, and with them the limits.
+        // A mirror reverses rotations about x and z, and with them the limits.
         let axis = left.urdf_frame.rotation.inverse() * Vector3::z();
         assert!((axis - right.urdf_frame.rotation.inverse() * Vector3::z()).norm() < 1e-15);
         let (jl, jr) = (&model.joints[i - 1], &model.joints[k - 1]);
@@ -111,9 +113,9 @@ fn right_mirrors_left() {
     assert_eq!(pairs, 11, "six leg links, four arm links and a hand");
 }
 
-/// Directions told in words by the sources: what a positive angle does.
+/// The effect of a positive angle, as the sources describe it.
 #[test]
-fn joints_turn_the_way_the_figures_say() {
+fn joints_rotate_in_the_directions_of_the_figures() {
     let model = robot().model;
     let moved = |joint: &str, angle: f64, link: &str, point: Vector3<f64>| {
         let mut q = vec![0.0; 25];
@@ -140,7 +142,7 @@ fn joints_turn_the_way_the_figures_say() {
 }
 
 #[test]
-fn no_drive_is_too_stiff_for_an_explicit_integrator() {
+fn every_drive_is_stable_with_an_explicit_integrator() {
     let model = robot().model;
     for (i, joint) in model.joints.iter().enumerate() {
         let link = &model.links[i + 1];

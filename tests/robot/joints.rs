@@ -1,4 +1,4 @@
-//! Joints that are not one motion each, and numbers that are not quite URDF.
+//! Joints with several or dependent motions, and vectors with commas.
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use stiction::robot::{Base, DriveMode, JointKind, Model};
@@ -36,9 +36,9 @@ fn a_planar_joint_is_two_slides_and_a_turn() {
     let names: Vec<&str> = robot.model.joints.iter().map(|j| j.name.as_str()).collect();
     assert_eq!(names, ["j/x", "j/y", "j/turn"]);
     assert!(robot.model.joints.iter().all(|j| j.drive_configured && j.drive.mode == DriveMode::Passive));
-    let wanted = origin() * Isometry3::translation(0.4, 0.5, 0.0) * Isometry3::rotation(Vector3::z() * 0.6);
+    let expected = origin() * Isometry3::translation(0.4, 0.5, 0.0) * Isometry3::rotation(Vector3::z() * 0.6);
     // Rounding of a chain of rotations over some metres.
-    assert!((pose(&robot.model, &[0.4, 0.5, 0.6]).to_homogeneous() - wanted.to_homogeneous()).amax() < 1e-14);
+    assert!((pose(&robot.model, &[0.4, 0.5, 0.6]).to_homogeneous() - expected.to_homogeneous()).amax() < 1e-14);
     assert!(robot.notices.iter().any(|n| n.message.contains("`j/x`, `j/y`, `j/turn`")), "{:?}", robot.notices);
 }
 
@@ -48,9 +48,9 @@ fn a_floating_joint_inside_the_tree_is_six_motions() {
     assert_eq!(robot.model.nj(), 6);
     let q = [0.4, -0.5, 0.6, 0.7, -0.8, 0.9];
     let turn = UnitQuaternion::from_euler_angles(q[5], q[4], q[3]);
-    let wanted = origin() * Isometry3::from_parts(Translation3::new(q[0], q[1], q[2]), turn);
+    let expected = origin() * Isometry3::from_parts(Translation3::new(q[0], q[1], q[2]), turn);
     // Rounding of a chain of rotations over some metres.
-    assert!((pose(&robot.model, &q).to_homogeneous() - wanted.to_homogeneous()).amax() < 1e-14);
+    assert!((pose(&robot.model, &q).to_homogeneous() - expected.to_homogeneous()).amax() < 1e-14);
     assert!(robot.notices.iter().any(|n| n.message.contains("must not pitch by 90 degrees")), "{:?}", robot.notices);
 }
 
@@ -72,7 +72,7 @@ fn a_mimic_joint_is_independent_and_its_home_follows() {
     };
     let urdf = format!(
         "<robot name=\"r\"><link name=\"a\">{BODY}</link>{}{}{}</robot>",
-        // The second follows one that comes after it.
+        // The second mimics a joint that comes after it.
         joint("last", "a", "b", "<mimic joint=\"next\" multiplier=\"-1\"/>"),
         joint("next", "b", "c", "<mimic joint=\"leader\" multiplier=\"0.5\" offset=\"0.1\"/>"),
         joint("leader", "c", "d", ""),
@@ -83,38 +83,41 @@ fn a_mimic_joint_is_independent_and_its_home_follows() {
     assert_eq!([home("leader"), home("next"), home("last")], [0.4, 0.5 * 0.4 + 0.1, -(0.5 * 0.4 + 0.1)]);
     let notice = robot.notices.iter().filter(|n| n.message.contains("it is taken as independent")).count();
     assert_eq!(notice, 2, "{:?}", robot.notices);
-    // A home that the robot file gives stays, and limits hold.
+    // A home given by the robot file takes precedence, and limits hold.
     let robot =
         load_toml("urdf = \"robot.urdf\"\n[home]\nleader = 1.0\nlast = 0.25", &urdf.replace("0.5", "5")).unwrap();
     assert_eq!(robot.model.home, [0.25, 1.0, 1.0]);
 }
 
 #[test]
-fn mimics_that_cannot_be_followed_are_named() {
+fn mimics_that_cannot_be_followed_are_reported() {
     let joint = |name: &str, child: &str, of: &str| {
         format!(
             "<link name=\"{child}\">{BODY}</link><joint name=\"{name}\" type=\"continuous\"><parent link=\"a\"/>\n\
              <child link=\"{child}\"/><axis xyz=\"0 0 1\"/><mimic joint=\"{of}\" offset=\"0.5\"/></joint>"
         )
     };
-    for (joints, words) in [
+    for (joints, expected) in [
         (vec![("j", "j")], "joints mimic each other in a ring: `j`, `j`"),
         (vec![("j", "k"), ("k", "j")], "in a ring: `j`, `k`, `j`"),
-        (vec![("left", "lift")], "joint `left` mimics `lift`, which is no joint of the robot"),
-        (vec![("left", "left_"), ("left_2", "left")], "`left_`, which is no joint of the robot; did you mean `left`?"),
+        (vec![("left", "lift")], "joint `left` mimics `lift`, which is not a joint of the robot"),
+        (
+            vec![("left", "left_"), ("left_2", "left")],
+            "`left_`, which is not a joint of the robot; did you mean `left`?",
+        ),
     ] {
         let all: Vec<String> =
             joints.iter().enumerate().map(|(i, (name, of))| joint(name, &format!("l{i}"), of)).collect();
         let robot =
             load_urdf(&format!("<robot name=\"r\"><link name=\"a\">{BODY}</link>{}</robot>", all.concat())).unwrap();
-        let notice = robot.notices.iter().find(|n| n.message.contains(words));
-        assert!(notice.is_some_and(|n| n.line() == 2), "{words}: {:?}", robot.notices);
-        assert_eq!(robot.model.home[0], 0.0, "{words}");
+        let notice = robot.notices.iter().find(|n| n.message.contains(expected));
+        assert!(notice.is_some_and(|n| n.line() == 2), "{expected}: {:?}", robot.notices);
+        assert_eq!(robot.model.home[0], 0.0, "{expected}");
     }
 }
 
 #[test]
-fn joints_without_position_limits_turn_freely() {
+fn joints_without_position_limits_are_unlimited() {
     let robot = load_urdf(&two("revolute", "<axis xyz=\"0 0 1\"/><limit effort=\"1\" velocity=\"2\"/>")).unwrap();
     let joint = &robot.model.joints[0];
     assert_eq!((joint.kind, joint.lower, joint.upper), (JointKind::Continuous, f64::NEG_INFINITY, f64::INFINITY));

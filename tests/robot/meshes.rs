@@ -1,12 +1,12 @@
-//! Mesh files as they are met: COLLADA scenes, binary STL with misleading headers, flat ones, and where they are looked
-//! for.
+//! Mesh files: COLLADA scenes, binary STL with misleading headers, flat meshes, and the search
+//! path.
 
 use nalgebra::Point3;
 use stiction::robot::{Geometry, Robot, Shape, load};
 
 use super::{BODY, folder};
 
-/// A right triangle, all corners different in all coordinates that matter.
+/// A right triangle whose corners differ in all coordinates that matter.
 const TRIANGLE: &str = "1 0 0  0 2 0  0 0 3";
 
 fn collada(unit: &str, geometry: &str, scene: &str) -> String {
@@ -25,7 +25,7 @@ const ONE_FACE: &str =
     "<triangles count=\"1\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>0 1 2</p></triangles>";
 const PLAIN: &str = "<node><instance_geometry url=\"#g\"/></node>";
 
-/// A robot whose only visual is the file `name` of these bytes.
+/// A robot whose only visual is the file `name` with these bytes.
 fn showing(name: &str, bytes: &[u8]) -> Robot {
     let text = format!(
         "<robot name=\"r\"><link name=\"a\">{BODY}<visual><geometry><mesh filename=\"{name}\"/></geometry></visual></link></robot>"
@@ -40,58 +40,62 @@ fn corners(shape: &Shape) -> Vec<[Point3<f64>; 3]> {
     triangles.iter().map(|t| t.map(|i| points[i as usize])).collect()
 }
 
-fn shown(dae: &str) -> Vec<[Point3<f64>; 3]> {
+fn visual_triangles(dae: &str) -> Vec<[Point3<f64>; 3]> {
     let robot = showing("m.dae", dae.as_bytes());
     let shapes = &robot.model.links[0].visuals;
     assert_eq!(shapes.len(), 1, "{:?}", robot.notices);
     corners(&shapes[0])
 }
 
-fn assert_near(seen: &[[Point3<f64>; 3]], wanted: &[[[f64; 3]; 3]]) {
-    assert_eq!(seen.len(), wanted.len(), "{seen:?}");
-    for (a, b) in seen.iter().flatten().zip(wanted.iter().flatten()) {
+fn assert_near(seen: &[[Point3<f64>; 3]], expected: &[[[f64; 3]; 3]]) {
+    assert_eq!(seen.len(), expected.len(), "{seen:?}");
+    for (a, b) in seen.iter().flatten().zip(expected.iter().flatten()) {
         // Rounding of a quarter turn and of products of numbers below 100.
-        assert!((a - Point3::from(*b)).norm() < 1e-13, "{seen:?}\n{wanted:?}");
+        assert!((a - Point3::from(*b)).norm() < 1e-13, "{seen:?}\n{expected:?}");
     }
 }
 
 #[test]
 fn a_collada_node_applies_its_transforms_in_the_order_of_the_file() {
     let plain = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]];
-    assert_near(&shown(&collada("", ONE_FACE, PLAIN)), &[plain]);
+    assert_near(&visual_triangles(&collada("", ONE_FACE, PLAIN)), &[plain]);
     // T R S p: scale by 2, a quarter turn about z (x to y, y to -x), then 10 along x.
     let steps = "<node><translate>10 0 0</translate><rotate>0 0 1 90</rotate><scale>2 2 2</scale>\
                  <instance_geometry url=\"#g\"/></node>";
-    let wanted = [[10.0, 2.0, 0.0], [6.0, 0.0, 0.0], [10.0, 0.0, 6.0]];
-    assert_near(&shown(&collada("", ONE_FACE, steps)), &[wanted]);
-    // The same split over nested nodes, one step as a matrix, in a file of millimetres.
+    let expected = [[10.0, 2.0, 0.0], [6.0, 0.0, 0.0], [10.0, 0.0, 6.0]];
+    assert_near(&visual_triangles(&collada("", ONE_FACE, steps)), &[expected]);
+    // The same transforms split over nested nodes, one step as a matrix, in a file in millimetres.
     let nested = "<node><matrix>1 0 0 10 0 1 0 0 0 0 1 0 0 0 0 1</matrix><node><rotate>0 0 1 90</rotate>\
                   <node><scale>2 2 2</scale><instance_geometry url=\"#g\"/></node></node></node>";
-    let millimetres = wanted.map(|p| p.map(|x| 1e-3 * x));
-    assert_near(&shown(&collada("<unit meter=\"0.001\"/>", ONE_FACE, nested)), &[millimetres]);
+    let millimetres = expected.map(|p| p.map(|x| 1e-3 * x));
+    assert_near(&visual_triangles(&collada("<unit meter=\"0.001\"/>", ONE_FACE, nested)), &[millimetres]);
     // The other order: S T, 10 along x is scaled too.
     let other = "<node><scale>2 2 2</scale><translate>10 0 0</translate><instance_geometry url=\"#g\"/></node>";
-    assert_near(&shown(&collada("", ONE_FACE, other)), &[[[22.0, 0.0, 0.0], [20.0, 4.0, 0.0], [20.0, 0.0, 6.0]]]);
+    assert_near(
+        &visual_triangles(&collada("", ONE_FACE, other)),
+        &[[[22.0, 0.0, 0.0], [20.0, 4.0, 0.0], [20.0, 0.0, 6.0]]],
+    );
 }
 
 #[test]
-fn collada_faces_of_all_kinds_keep_their_sense() {
+fn collada_faces_of_all_kinds_keep_their_orientation() {
     let [a, b, c] = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]];
-    // Two columns per corner, the second one a normal's index; a mirrored node turns the face back outward.
+    // Two columns per corner, the second one the index of a normal; a mirrored node reverses the
+    // face back outward.
     let input = "<input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><input semantic=\"NORMAL\" source=\"#n\" offset=\"1\"/>";
     let polylist =
         format!("<polylist count=\"2\">{input}<vcount>3 3</vcount><p>0 9 1 9 2 9  0 9 2 9 1 9</p></polylist>");
-    assert_near(&shown(&collada("", &polylist, PLAIN)), &[[a, b, c], [a, c, b]]);
+    assert_near(&visual_triangles(&collada("", &polylist, PLAIN)), &[[a, b, c], [a, c, b]]);
     let polygons = format!("<polygons count=\"1\">{input}<p>0 9 1 9 2 9</p></polygons>");
-    assert_near(&shown(&collada("", &polygons, PLAIN)), &[[a, b, c]]);
+    assert_near(&visual_triangles(&collada("", &polygons, PLAIN)), &[[a, b, c]]);
     let strip = format!("<tristrips count=\"1\">{input}<p>0 0 1 0 2 0 0 0</p></tristrips>");
-    assert_near(&shown(&collada("", &strip, PLAIN)), &[[a, b, c], [c, b, a]]);
+    assert_near(&visual_triangles(&collada("", &strip, PLAIN)), &[[a, b, c], [c, b, a]]);
     let mirror = "<node><scale>-1 1 1</scale><instance_geometry url=\"#g\"/></node>";
-    assert_near(&shown(&collada("", ONE_FACE, mirror)), &[[[-1.0, 0.0, 0.0], c, b]]);
+    assert_near(&visual_triangles(&collada("", ONE_FACE, mirror)), &[[[-1.0, 0.0, 0.0], c, b]]);
 }
 
 #[test]
-fn a_collada_file_that_is_not_understood_is_left_out_and_named() {
+fn an_unsupported_collada_file_is_left_out_and_reported() {
     let loops = "<node id=\"n\"><instance_node url=\"#n\"/></node>";
     // Each of 40 nodes instances the next one twice.
     let doubling: String = (0..40)
@@ -127,7 +131,7 @@ fn an_up_axis_is_reported_and_not_applied() {
 }
 
 #[test]
-fn a_binary_stl_may_begin_like_a_text_and_be_flat() {
+fn a_binary_stl_may_begin_like_text_and_be_flat() {
     let mut bytes = b"solid exported by a program".to_vec();
     bytes.resize(80, b' ');
     bytes.extend(2u32.to_le_bytes());
@@ -141,9 +145,9 @@ fn a_binary_stl_may_begin_like_a_text_and_be_flat() {
     let robot = showing("m.stl", &bytes);
     let Geometry::Mesh(points, triangles) = &robot.model.links[0].visuals[0].geometry else { panic!() };
     assert_eq!((points.len(), triangles.len()), (4, 2));
-    // A plate without thickness is stood upon as well.
+    // A plate without thickness also gives a sole.
     assert_eq!(robot.model.soles[0].vertices.len(), 4, "{:?}", robot.notices);
-    // One byte less is no binary file, nor a text.
+    // With one byte less the file is neither binary nor text.
     let broken = showing("m.stl", &bytes[..bytes.len() - 1]);
     assert!(broken.notices.iter().any(|n| n.message.contains("`m.stl`") && n.message.contains("left out")));
 }
@@ -159,21 +163,21 @@ fn triangle(scale: &str, name: &str, file: &str) -> Robot {
 }
 
 #[test]
-fn scales_that_leave_nothing_or_too_much_are_named() {
-    for (scale, words) in [
-        ("0 0 0", "nothing is left of it at the scale 0 0 0"),
-        ("1 0 0", "nothing is left of it at the scale 1 0 0"),
+fn degenerate_scales_are_reported() {
+    for (scale, expected) in [
+        ("0 0 0", "the scale 0 0 0 reduces it to nothing"),
+        ("1 0 0", "the scale 1 0 0 reduces it to nothing"),
         ("1e200 1 1", "too large"),
     ] {
         let robot = triangle(scale, "m.obj", "m.obj");
         assert!(robot.model.links[0].collisions.is_empty() && robot.model.soles.is_empty(), "{scale}");
-        assert!(robot.notices.iter().any(|n| n.message.contains(words)), "{scale}: {:?}", robot.notices);
+        assert!(robot.notices.iter().any(|n| n.message.contains(expected)), "{scale}: {:?}", robot.notices);
     }
     assert_eq!(triangle("1 2 0", "m.obj", "m.obj").model.links[0].collisions.len(), 1);
 }
 
 #[test]
-fn encoded_names_are_decoded_where_no_file_has_them_as_written() {
+fn encoded_names_are_decoded_if_no_file_has_the_literal_name() {
     for (name, file) in [
         ("left%20foot.obj", "left foot.obj"),
         ("left%20foot.obj", "left%20foot.obj"),
@@ -183,7 +187,7 @@ fn encoded_names_are_decoded_where_no_file_has_them_as_written() {
     ] {
         assert_eq!(triangle("1 1 1", name, file).model.links[0].collisions.len(), 1, "{name}");
     }
-    // Half a letter is no text.
+    // An incomplete character is no valid text.
     assert_eq!(triangle("1 1 1", "%C3.obj", "m.obj").model.links[0].collisions.len(), 0);
 }
 
@@ -216,7 +220,7 @@ fn packages_are_found_from_the_urdf_upward() {
         assert_eq!(!robot.model.links[0].visuals.is_empty(), found, "{uri}: {:?}", robot.notices);
         if uri.contains("other") {
             let notice = &robot.notices.iter().find(|n| n.message.contains("left out")).unwrap().message;
-            // The places searched, the URDF's own folder and those above it.
+            // The searched locations: the URDF's own folder and those above it.
             for folder in ["top/thing/urdf", "top/thing", "top"] {
                 assert!(notice.contains(&place.path().join(folder).display().to_string()), "{notice}");
             }
@@ -224,7 +228,7 @@ fn packages_are_found_from_the_urdf_upward() {
     }
 }
 
-/// A bare name has no folder before it: its folder is the current one.
+/// A bare file name has the current folder.
 #[test]
 fn packages_are_found_for_a_urdf_named_without_a_folder() {
     let place = crate::cli::Place::new();

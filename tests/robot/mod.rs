@@ -1,4 +1,4 @@
-//! Robot files and URDF as users meet them.
+//! Robot files and URDFs as input of users.
 
 mod adjust;
 mod broken_file;
@@ -31,7 +31,7 @@ pub fn shipped(path: &str) -> Robot {
     load(&path).unwrap_or_else(|e| panic!("{}", e.render(false)))
 }
 
-/// Files written into a folder of their own.
+/// Files written into a temporary folder.
 pub fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
@@ -48,13 +48,13 @@ pub fn load_urdf(text: &str) -> Result<Robot, RobotError> {
     load(&folder.path().join("robot.urdf"))
 }
 
-/// Loads a robot file given as text beside its URDF.
+/// Loads a robot file given as text, next to its URDF.
 pub fn load_toml(toml: &str, urdf: &str) -> Result<Robot, RobotError> {
     let folder = folder(&[("robot.toml", toml), ("robot.urdf", urdf)]);
     load(&folder.path().join("robot.toml"))
 }
 
-/// The error, checked for line and words, and for a picture of the offending line.
+/// Asserts that loading fails with this line and text, and that the message quotes the line.
 pub fn assert_fault(case: &str, result: Result<Robot, RobotError>, file: &str, line: usize, needle: &str) {
     let error = match result {
         Ok(_) => panic!("{case}: loaded"),

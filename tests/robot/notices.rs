@@ -38,7 +38,7 @@ fn ignored_and_assumed_elements_are_reported_with_their_line() {
     assert_notice(2, "<contact> of link `a` is ignored", Note);
     assert_notice(3, "<gazebo> is ignored", Note);
     assert_notice(4, "<transmission> is ignored", Note);
-    assert_notice(5, "joint `j` has no <axis>: 1 0 0 is taken", Note);
+    assert_notice(5, "joint `j` has no <axis>: 1 0 0 is used", Note);
     assert_notice(7, "joint `j` has no effort limit", Note);
     assert_notice(8, "<safety_controller> of joint `j` is ignored", Note);
     assert_notice(8, "attribute `spring` of <dynamics> is ignored", Note);
@@ -94,7 +94,7 @@ endsolid t
 ";
 
 #[test]
-fn meshes_are_found_scaled_and_kept() {
+fn meshes_are_found_scaled_and_stored() {
     let text = format!(
         "<robot name=\"r\"><link name=\"a\">{BODY}\
          <visual><geometry><mesh filename=\"package://thing/meshes/t.stl\" scale=\"2 -3 4\"/></geometry></visual>\
@@ -113,7 +113,7 @@ fn meshes_are_found_scaled_and_kept() {
         let p = |i: u32| points[i as usize].coords;
         triangles.iter().map(|t| p(t[0]).cross(&p(t[1])).dot(&p(t[2])) / 6.0).sum::<f64>()
     };
-    // Positive: the triangles look outward, after the mirroring scale too.
+    // Positive: the triangles face outward, also after the mirroring scale.
     assert_eq!(volume(&link.visuals[0].geometry), 24.0 / 6.0);
     assert!((volume(&link.visuals[1].geometry) - 1.0 / 6.0).abs() < 1e-15);
     assert!((volume(&link.collisions[0].geometry) - 1.0 / 6.0).abs() < 1e-15);
@@ -137,9 +137,9 @@ fn a_broken_mesh_is_reported_and_left_out() {
     assert!(load_urdf("<robot name=\"r\"/>").is_err());
 }
 
-/// What is not read need not be complete; nor need limits that mean "unlimited" when absent.
+/// Elements that are not read may be incomplete, as may limits whose absence means "unlimited".
 #[test]
-fn incomplete_parts_that_are_not_read_do_no_harm() {
+fn incomplete_elements_that_are_not_read_are_accepted() {
     let joint = |inside: &str| {
         let urdf = format!(
             "<robot name=\"r\"><link name=\"a\">{BODY}</link><link name=\"b\">{BODY}</link><joint name=\"j\" type=\"revolute\">\
@@ -165,7 +165,7 @@ fn incomplete_parts_that_are_not_read_do_no_harm() {
 }
 
 #[test]
-fn a_home_that_the_robot_file_names_needs_no_words() {
+fn a_home_given_by_the_robot_file_causes_no_notice() {
     let urdf = format!(
         "<robot name=\"r\"><link name=\"a\">{BODY}</link><joint name=\"j\" type=\"revolute\"><parent link=\"a\"/>\
          <child link=\"b\"/><axis xyz=\"0 0 1\"/><limit lower=\"1\" upper=\"2\" effort=\"1\" velocity=\"1\"/></joint>\

@@ -1,4 +1,4 @@
-//! Loads that a robot file welds to links.
+//! Payloads that a robot file welds to links.
 
 use crate::analytic::support::simulation;
 use nalgebra::{Point3, Vector3};
@@ -27,16 +27,16 @@ size = [0.2, 0.4, 0.6]
 "#;
 
 #[test]
-fn a_box_has_the_inertia_of_a_box_and_is_drawn() {
+fn a_box_has_the_inertia_of_a_box_and_a_visual() {
     let loaded = load_toml(LOADED, &urdf()).unwrap().model;
     let mut by_hand = load_toml(PLAIN, &urdf()).unwrap().model;
     // 3 kg / 12 = 0.25 kg, times sums of squared edges.
     let inertia = [0.25 * (0.16 + 0.36), 0.25 * (0.04 + 0.36), 0.25 * (0.04 + 0.16), 0.0, 0.0, 0.0];
     add_payload(&mut by_hand, "foot", 3.0, Vector3::new(0.1, 0.2, 0.3), inertia).unwrap();
-    let (foot, wanted) = (&loaded.links[1], &by_hand.links[1]);
+    let (foot, expected) = (&loaded.links[1], &by_hand.links[1]);
     assert_eq!(foot.mass, 4.0);
     // Rounding.
-    assert!((foot.com - wanted.com).norm() < 1e-15 && (foot.inertia - wanted.inertia).norm() < 1e-14);
+    assert!((foot.com - expected.com).norm() < 1e-15 && (foot.inertia - expected.inertia).norm() < 1e-14);
     let [shape] = &foot.visuals[..] else { panic!("{:?}", foot.visuals) };
     assert_eq!(shape.geometry, Geometry::Box(Vector3::new(0.2, 0.4, 0.6)));
     let centre = foot.urdf_frame.inverse() * (shape.pose * Point3::origin());
@@ -45,7 +45,7 @@ fn a_box_has_the_inertia_of_a_box_and_is_drawn() {
 }
 
 #[test]
-fn an_inertia_or_nothing_instead_of_a_size() {
+fn a_payload_may_give_an_inertia_or_be_a_point_mass() {
     let size = "size = [0.2, 0.4, 0.6]\n";
     let point = load_toml(&LOADED.replace(size, ""), &urdf()).unwrap().model;
     let given = "inertia = [0.13, 0.1, 0.05, 0, 0, 0]\n";
@@ -53,7 +53,7 @@ fn an_inertia_or_nothing_instead_of_a_size() {
     let boxed = load_toml(LOADED, &urdf()).unwrap().model;
     assert!((given.links[1].inertia - boxed.links[1].inertia).norm() < 1e-14);
     assert!(point.links[1].visuals.is_empty() && given.links[1].visuals.is_empty());
-    // What a point lacks is the box's own tensor, of trace 0.28.
+    // The point mass lacks the box's own tensor, of trace 0.28.
     let lacking = boxed.links[1].inertia.trace() - point.links[1].inertia.trace();
     assert!((lacking - 0.28).abs() < 1e-14, "{lacking}");
 }
@@ -80,7 +80,7 @@ const CASES: &[(&str, &str, usize, &str)] = &[
 ];
 
 #[test]
-fn each_fault_is_named_with_its_line() {
+fn each_error_is_reported_with_its_line() {
     for &(from, to, line, needle) in CASES {
         assert!(LOADED.contains(from), "`{from}` is not in the file: the case tests nothing");
         let case = format!("{from} -> {to}");
@@ -88,9 +88,9 @@ fn each_fault_is_named_with_its_line() {
     }
 }
 
-/// A load of a robot file, pasted into a scenario, is the same load.
+/// A payload of a robot file has the same effect in a scenario.
 #[test]
-fn a_scenario_takes_the_loads_of_a_robot_file() {
+fn a_scenario_accepts_the_payloads_of_a_robot_file() {
     let block = |payload: &str| {
         let text = format!("duration = 1\n[robot]\nmodel = \"robots/block/block.toml\"\npayload = [{payload}]\n");
         simulation(&text).plant().model.links[0].clone()

@@ -1,4 +1,4 @@
-//! The quadruped against the design it is to have.
+//! The quadruped against its design.
 
 use nalgebra::Vector3;
 use stiction::robot::Model;
@@ -15,13 +15,13 @@ fn it_stands_on_four_points() {
     let model = quadruped();
     assert_eq!((model.nj(), model.nv(), model.soles.len()), (12, 18, 4));
     assert!(model.soles.iter().all(|s| s.vertices.len() == 1));
-    // 6.50 kg of body, 1.72 kg a leg.
+    // 6.50 kg for the body, 1.72 kg for each leg.
     assert!((model.mass() - (6.50 + 4.0 * 1.72)).abs() < 1e-9, "{}", model.mass());
-    // Two segments of 0.22 m, 40 degrees off the plumb line.
+    // Two segments of 0.22 m, 40 degrees from the vertical.
     let floor = level_soles(&model, &model.home);
     assert!((floor + 2.0 * 0.22 * 40f64.to_radians().cos()).abs() < 1e-12, "{floor}");
-    // On a slope of 15 degrees the plumb line through the centre of mass moves by height * tan: it must stay between the
-    // feet, or the robot tips over them.
+    // On a slope of 15 degrees the vertical through the centre of mass moves by height * tan. It
+    // must stay between the feet, or the robot tips over them.
     let height = centre_of_mass(&model, &model.home).z - floor;
     let margins = margins(&model, &model.home);
     assert!(margins.iter().all(|m| *m > height * 15f64.to_radians().tan() + 0.03), "{margins:?}");
@@ -29,8 +29,8 @@ fn it_stands_on_four_points() {
 
 #[test]
 fn a_shank_is_its_tube_and_its_ball() {
-    // By hand: a rod of 0.11 kg, radius 0.011, length 0.21 around z = -0.105 and a ball of 0.05 kg, radius 0.014 around
-    // z = 0.014 - 0.22, about their common centre.
+    // Computed by hand: a rod of 0.11 kg, radius 0.011, length 0.21 around z = -0.105 and a ball of
+    // 0.05 kg, radius 0.014 around z = 0.014 - 0.22, about their common centre.
     let model = quadruped();
     let shank = model.links.iter().find(|l| l.name == "fl_shank").unwrap();
     let (rod, ball, a, b) = (0.11, 0.05, -0.105, 0.014 - 0.22);
@@ -47,7 +47,7 @@ fn a_shank_is_its_tube_and_its_ball() {
 }
 
 #[test]
-fn joints_turn_the_way_the_readme_says() {
+fn joints_rotate_in_the_directions_of_the_readme() {
     let (o, x, y) = (Vector3::zeros(), Vector3::x(), Vector3::y());
     senses(
         &quadruped(),
@@ -61,6 +61,6 @@ fn joints_turn_the_way_the_readme_says() {
 }
 
 #[test]
-fn the_urdf_is_what_the_script_prints() {
+fn the_urdf_equals_the_output_of_its_script() {
     urdf_is_printed_by_its_script("quadruped");
 }

@@ -1,4 +1,5 @@
-//! Fixed joints: mass, centre and tensor of the union, frames and shapes of what was welded, and what is the root.
+//! Fixed joints: mass, centre and tensor of the union, frames and shapes of the welded links, and
+//! the root.
 
 use nalgebra::{Matrix3, Vector3};
 use stiction::robot::{Base, LinkId};
@@ -15,13 +16,14 @@ fn box_inertial(mass: f64, [a, b, c]: [f64; 3], origin: &str) -> String {
     )
 }
 
-/// A homogeneous bar of 3 kg, 0.6 x 0.1 x 0.2 m, cut at a third: one piece in the root, the other welded on with its
-/// frame turned by 90 degrees about z and then its inertial frame turned back by another -90 degrees about x.
+/// A homogeneous bar of 3 kg, 0.6 x 0.1 x 0.2 m, cut at a third. One piece is the root, the other
+/// is welded on with its frame rotated by 90 degrees about z and its inertial frame rotated back by
+/// -90 degrees about x.
 #[test]
-fn a_bar_cut_and_welded_is_the_bar() {
+fn a_bar_cut_and_welded_has_the_inertia_of_the_bar() {
     let first = box_inertial(1.0, [0.2, 0.1, 0.2], "xyz=\"0.1 0 0\"");
-    // In the piece's frame its length lies along -y; the inertial frame of the second piece has x' = -y, and y', z'
-    // further turned, so its edge lengths along its own axes are (0.4, 0.2, 0.1).
+    // In the piece's frame its length is along -y. The inertial frame of the second piece has x' =
+    // -y, and y', z' rotated further, so its edge lengths along its own axes are (0.4, 0.2, 0.1).
     let second =
         box_inertial(2.0, [0.4, 0.2, 0.1], "xyz=\"0 -0.2 0\" rpy=\"-1.5707963267948966 0 -1.5707963267948966\"");
     let text = format!(
@@ -46,7 +48,7 @@ fn a_bar_cut_and_welded_is_the_bar() {
 }
 
 #[test]
-fn massless_frames_weld_and_leave_the_numbers_alone() {
+fn welding_massless_frames_changes_no_inertia() {
     let text = format!(
         "<robot name=\"r\"><link name=\"a\">{BODY}</link><link name=\"imu\"/>\
          <link name=\"imu2\"><inertial><mass value=\"0\"/><inertia ixx=\"0\" ixy=\"0\" ixz=\"0\" iyy=\"0\" iyz=\"0\" izz=\"0\"/></inertial></link>\
@@ -71,16 +73,16 @@ fn inertia_without_mass_counts_welded_or_moving() {
              <joint name=\"g\" type=\"fixed\"><parent link=\"rotor\"/><child link=\"c\"/></joint></robot>"
         )
     };
-    // A quarter turn about z; wherever it is welded on, it has no lever.
+    // A quarter turn about z; it has no lever wherever it is welded.
     let robot = load_urdf(&text("fixed", "")).unwrap();
     let link = &robot.model.links[0];
-    let wanted = Matrix3::from_diagonal(&Vector3::new(1.2, 1.3, 1.1));
+    let expected = Matrix3::from_diagonal(&Vector3::new(1.2, 1.3, 1.1));
     assert_eq!((link.mass, link.com), (1.0, Vector3::zeros()));
     // Rounding of the quarter turn.
-    assert!((link.inertia - wanted).amax() < 1e-15, "{}", link.inertia);
+    assert!((link.inertia - expected).amax() < 1e-15, "{}", link.inertia);
     let notice = robot.notices.iter().find(|n| n.message.contains("link `rotor` has inertia but no mass"));
     assert!(notice.is_some_and(|n| n.line() == 2 && n.message.ends_with("which count")), "{notice:?}");
-    // On a joint of its own, alone and with a mass welded to it.
+    // On its own joint, alone and with a mass welded to it.
     let rotor = Matrix3::from_diagonal(&Vector3::new(0.3, 0.2, 0.1));
     let alone = load_urdf(&text("continuous", "")).unwrap().model;
     assert_eq!((alone.links[1].mass, alone.links[1].inertia), (0.0, rotor));
@@ -96,7 +98,7 @@ fn world(kind: &str, extra: &str) -> String {
 }
 
 #[test]
-fn the_root_is_held_as_the_file_says() {
+fn the_root_is_fixed_or_floating_as_the_file_sets() {
     let extra = format!(
         "<joint name=\"k\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/></joint><link name=\"b\">{BODY}</link>"
     );
@@ -127,9 +129,10 @@ fn the_root_is_held_as_the_file_says() {
     assert_eq!(base(&free, "fixed").unwrap(), (Base::Fixed, "trunk".into(), 1, 1.0));
 }
 
-/// Exporters write placeholder tensors on frames: notice, and harmless once welded to something sound.
+/// Exporters write placeholder tensors on frames: they give a notice, and are harmless once welded
+/// to a valid body.
 #[test]
-fn a_flawed_part_of_a_sound_body_is_a_warning() {
+fn an_invalid_part_of_a_valid_body_is_a_warning() {
     let text = |weld: &str| {
         let flawed = "<inertial><mass value=\"0.001\"/>\n<inertia ixx=\"1e-6\" ixy=\"1e-6\" ixz=\"1e-6\" iyy=\"1e-6\" iyz=\"1e-6\" izz=\"1e-6\"/></inertial>";
         format!(

@@ -1,9 +1,10 @@
-"""The parts of a sweep as Ray tasks, then the merge (docs/scale.md). `pip install ray`.
+"""Runs the parts of a sweep as Ray tasks, then merges them (docs/scale.md). Needs `pip install ray`.
 
-    python3 ray_sweep.py PARTS OUTPUT SCENARIO... [-- more options of `runner run`]
+    python3 ray_sweep.py PARTS OUTPUT SCENARIO... [-- options of `runner run`]
 
-OUTPUT and the scenarios must be on a file system that all nodes share; `runner` must be in their PATH, or named by RUNNER.
-A cluster is found by RAY_ADDRESS; without one Ray starts on this machine. The exit code is that of the merge.
+OUTPUT and the scenarios must be on a file system that all nodes share. `runner` must be on their
+PATH, or RUNNER must contain its path. RAY_ADDRESS selects a cluster; without it Ray starts on this
+machine. The exit code is that of the merge.
 """
 
 import os
@@ -13,7 +14,7 @@ import sys
 import ray
 
 RUNNER = os.environ.get("RUNNER", "runner")
-# A part that was killed from outside, by a signal or the loss of its node, is made again; --resume goes on where it was.
+# A part killed by a signal or by the loss of its node is re-run. --resume continues it.
 RETRIES = 3
 
 
@@ -30,15 +31,15 @@ def part(number, of, output, arguments):
 def main(parts, output, arguments):
     output = os.path.abspath(output)
     end = arguments.index("--") if "--" in arguments else len(arguments)
-    # Tasks run in folders of their nodes.
+    # Tasks run in other folders on their nodes, so paths must be absolute.
     arguments = [os.path.abspath(scenario) for scenario in arguments[:end]] + arguments[end + 1 :]
     ray.init()
     results = ray.get([part.remote(number, parts, output, arguments) for number in range(1, parts + 1)])
-    for folder, code, told in results:
+    for folder, code, stderr in results:
         print(f"{folder}: exit code {code}")
-        # 1 and 3 tell of runs, and the merge tells that again; 2 is a scenario that nobody can run.
+        # 1 and 3 are outcomes of runs, which the merge reports again; 2 is an invalid scenario.
         if code not in (0, 1, 3):
-            sys.exit(told)
+            sys.exit(stderr)
     merge = [RUNNER, "merge", *(folder for folder, _, _ in results), "--output", os.path.join(output, "all")]
     return subprocess.run(merge).returncode
 

@@ -1,10 +1,11 @@
-"""Two folders of results, compared bit for bit but for what the clock wrote.
+"""Compares two folders of results bit for bit, except for measured times.
 
     python3 same_bits.py A B
 
-Files other than those below are compared byte by byte, logs among them. Records, lines of runs.jsonl (in any order) and
-rows of summary.csv are compared without their times. Of summary.parquet and report.html, which show times too, it is only
-asked that both have them. Exit code 0: the same. Needs Python 3.9 and nothing else.
+Records, lines of runs.jsonl (in any order) and rows of summary.csv are compared without times. Both
+folders must have summary.parquet and report.html, but their contents, which include times, are not
+compared. All other files, such as logs, are compared byte by byte. Exit code 0: the results are
+equal. Needs Python 3.9 and no packages.
 """
 
 import csv
@@ -18,9 +19,9 @@ def is_time(name):
 
 
 def record(path):
-    whole = json.loads(path.read_text())
-    del whole["timing"]
-    return json.dumps(whole)
+    content = json.loads(path.read_text())
+    del content["timing"]
+    return json.dumps(content)
 
 
 def lines(path):
@@ -42,10 +43,10 @@ def files(folder):
 
 
 def main(a, b):
-    both = files(a)
-    problems = [f"only in one: {name}" for name in sorted(set(both) ^ set(files(b)))]
+    names = files(a)
+    problems = [f"only in one: {name}" for name in sorted(set(names) ^ set(files(b)))]
     counts = {}
-    for name in set(both) & set(files(b)):
+    for name in set(names) & set(files(b)):
         kind = Path(name).name
         if kind in WITH_TIMES:
             continue

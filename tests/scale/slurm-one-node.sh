@@ -1,6 +1,7 @@
 #!/bin/sh
-# A Slurm of one node on the loopback interface, without systemd: munged, slurmctld and slurmd with their configuration,
-# key, state and logs in one folder, as the user who calls it. Debian packages: slurm-wlm munge.
+# Starts or stops Slurm with one node on the loopback interface, without systemd. munged, slurmctld
+# and slurmd run as the calling user, with configuration, key, state and logs in one folder.
+# Debian packages: slurm-wlm munge.
 #
 #     tests/scale/slurm-one-node.sh start DIR     prints the SLURM_CONF to export
 #     tests/scale/slurm-one-node.sh stop DIR
@@ -11,7 +12,7 @@ usage() {
     exit 2
 }
 
-# The process whose number a daemon left in a file, if it lives.
+# Succeeds if the process with the id in a file is running.
 alive() {
     [ -s "$1" ] && kill -0 "$(cat "$1")" 2>/dev/null
 }
@@ -43,7 +44,7 @@ wait_for() {
         "$@" >/dev/null 2>&1 && return
         sleep 0.2
     done
-    fail "waited in vain for: $*"
+    fail "timeout: $*"
 }
 
 idle() {
@@ -83,12 +84,12 @@ SlurmctldPidFile=$dir/slurmctld.pid
 SlurmdPidFile=$dir/slurmd.pid
 SlurmctldLogFile=$dir/slurmctld.log
 SlurmdLogFile=$dir/slurmd.log
-# Processes are found by their parents: there may be no cgroups to have.
+# Tracks processes by their parents, because cgroups may be unavailable.
 ProctrackType=proctrack/linuxproc
 TaskPlugin=task/none
 MpiDefault=none
 SwitchType=switch/none
-# Several tasks share the node, each with processors of its own.
+# Several tasks share the node, each with its own processors.
 SelectType=select/cons_tres
 SelectTypeParameters=CR_CPU
 ReturnToService=2

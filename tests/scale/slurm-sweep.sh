@@ -1,13 +1,15 @@
 #!/bin/sh
-# `runner submit` on a Slurm of this machine alone (docs/scale.md), against the same batches made directly: the same bits but
-# for times.
+# Compares `runner submit` on a local Slurm with direct batches (docs/scale.md). The results must have
+# the same bits, except for times.
 #
 #     tests/scale/slurm-sweep.sh RUNNER DIR       DIR must be new
 #
-# 1. The 200 runs of thrown.toml in 8 parts. 8 runs fail on purpose: the exit code 1 must come through.
-# 2. From folders whose names mean something to shells and to Slurm.
-# 3. 80 runs of HOAP-2 in 2 parts, of which one is cancelled in the middle; the same command again completes them.
-# 4. What must be refused: other numbers of parts, another plan, jobs that have not ended, options that Slurm does not know.
+# 1. The 200 runs of thrown.toml in 8 parts. 8 runs fail on purpose, so the exit code must be 1.
+# 2. Folders whose names contain special characters of shells and Slurm.
+# 3. 80 runs of HOAP-2 in 2 parts. One part is cancelled while it runs; a second submission completes
+#    it.
+# 4. Refused submissions: another number of parts, another plan, jobs that have not ended, options
+#    unknown to Slurm.
 set -eu
 [ $# = 2 ] || { echo "usage: $0 RUNNER DIR" >&2; exit 2; }
 here=$(cd "$(dirname "$0")" && pwd)
@@ -19,13 +21,13 @@ cd "$2"
 eval "$("$here/slurm-one-node.sh" start slurm)"
 trap '"$here/slurm-one-node.sh" stop slurm' EXIT
 
-# Runs a command that must end with an exit code.
+# Runs a command that must exit with the given code.
 ends() {
-    wanted=$1
+    expected=$1
     shift
     code=0
     "$@" || code=$?
-    [ "$code" = "$wanted" ] || { echo "$0: exit code $code, wanted $wanted: $*" >&2; exit 1; }
+    [ "$code" = "$expected" ] || { echo "$0: exit code $code, expected $expected: $*" >&2; exit 1; }
 }
 
 same() {

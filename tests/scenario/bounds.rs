@@ -1,17 +1,17 @@
-//! Numbers that would take more memory or time than there is: refused when the scenario is read.
+//! Values that would need too much memory or time are refused when the scenario is read.
 
 use std::path::Path;
 use stiction::scenario;
 
 #[track_caller]
-fn refused(text: &str, words: &str) {
+fn refused(text: &str, message: &str) {
     let text = format!("robot = {{ model = \"r.toml\" }}\n{text}\n");
     let found = scenario::parse(Path::new("s.toml"), text.clone())
         .and_then(|f| f.expand(&[]))
         .err()
         .unwrap_or_else(|| panic!("accepted: {text}"));
     let found = found.to_string();
-    assert!(found.contains(words) && found.contains("s.toml:"), "{text}{found}");
+    assert!(found.contains(message) && found.contains("s.toml:"), "{text}{found}");
 }
 
 #[track_caller]
@@ -34,7 +34,7 @@ fn rates_and_delays_have_bounds() {
 #[test]
 fn walks_have_bounds() {
     let walk = |rest: &str| format!("[[task]]\ntype = \"walk\"\n{rest}");
-    // What the run does not reach is not planned.
+    // Steps beyond the end of the run are not planned.
     accepted(&format!("duration = 5\n{}", walk("steps = 4000000000")));
     accepted(&format!("duration = 5\n{}", walk("wait = 1e12")));
     refused(&format!("duration = 1e6\n{}", walk("steps = 4000000000")), "`task.0.steps` makes a walk of 999999 s");
@@ -43,7 +43,7 @@ fn walks_have_bounds() {
 }
 
 #[test]
-fn what_has_no_meaning_is_refused() {
+fn values_without_meaning_are_refused() {
     let balance = |rest: &str| format!("[[task]]\ntype = \"balance\"\n{rest}");
     refused(
         &balance("control = \"force\"\nposition = { leaning = 1 }"),

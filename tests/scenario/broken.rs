@@ -1,4 +1,5 @@
-//! Broken scenarios: each is refused at the right line and column with the right words. One table, so it is long.
+//! Broken scenarios: each is refused at its line and column with its message. All are in one long
+//! table.
 
 use stiction::scenario::{Severity, load};
 
@@ -7,7 +8,8 @@ use super::{SMALLEST, file, wrong};
 /// A scenario with one error: text, its line and column, part of the message, part of the help.
 struct Broken(&'static str, (usize, usize), &'static str, &'static str);
 
-/// Each text stands below the two lines of the smallest scenario, so it begins at line 3 inside `[robot]`.
+/// Each text follows the two lines of the smallest scenario, so it begins at line 3 inside
+/// `[robot]`.
 const BELOW_ROBOT: &[Broken] = &[
     // Keys.
     Broken("postur = { knee = 1 }", (3, 1), "unknown key `postur` in `robot`", "did you mean `posture`?"),
@@ -35,7 +37,7 @@ const BELOW_ROBOT: &[Broken] = &[
         "",
     ),
     Broken("payload = 3", (3, 11), "`robot.payload` must be an array, not the number 3", ""),
-    // Words.
+    // Names of choices.
     Broken("[contact]\nmethod = \"exakt\"", (4, 10), "`contact.method` cannot be \"exakt\"", "did you mean `exact`?"),
     Broken("[log]\ntopics = [\"state\", \"scenes\"]", (4, 20), "`log.topics.1`", "did you mean `scene`?"),
     Broken("[[task]]\ntype = \"posutre\"", (4, 8), "unknown task type `posutre`", "did you mean `posture`?"),
@@ -77,7 +79,7 @@ const BELOW_ROBOT: &[Broken] = &[
         "is not the inertia of a rigid body",
         "",
     ),
-    // What does not fit together.
+    // Inconsistent values.
     Broken("[[force]]\ntype = \"push\"\nlink = \"l\"", (3, 1), "`force.0` needs `force` or `moment`", ""),
     Broken("[[force]]\ntype = \"joint-friction\"", (3, 1), "`force.0` needs `all`", ""),
     Broken("[[expect]]\nmetric = \"steps\"", (3, 1), "`expect.0` needs `value` and `tolerance`", ""),
@@ -91,7 +93,7 @@ const BELOW_ROBOT: &[Broken] = &[
         "the name of two soles",
         "",
     ),
-    // Known, not available.
+    // Known, but not available.
     Broken("[sensors]\ngyroscope = { noise = -1 }", (4, 23), "must be 0 or greater, not -1", ""),
     Broken("[sensors]\ngyro = {}", (4, 1), "unknown key `gyro` in `sensors`", "`gyroscope`"),
     Broken("[sensors]\nsole_force = { delay = 11 }", (4, 24), "must be at most 10 s, not 11", ""),
@@ -204,7 +206,7 @@ const BELOW_ROBOT: &[Broken] = &[
     ),
     Broken("[compare]\nreference = { \"integrator.step\" = -1 }", (4, 35), "must be greater than 0, not -1", ""),
     Broken("[compare]\nreference = { \"force.0.force\" = 1 }", (4, 16), "the file has no `force`", ""),
-    Broken("[compare]\nreference = { \"log.rate\" = 1 }", (4, 15), "`log` is no part of a reference run", ""),
+    Broken("[compare]\nreference = { \"log.rate\" = 1 }", (4, 15), "`log` cannot be set in a reference run", ""),
     Broken(
         "[compare]\nreference = { contact.method = \"exact\" }",
         (4, 15),
@@ -214,7 +216,7 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken(
         "[compare]\nreference = { \"floor.friction\" = 1, \"floor.friction.static\" = 1 }",
         (4, 37),
-        "`floor.friction.static` sets what another key of the reference sets",
+        "`floor.friction.static` overlaps another key of the reference",
         "",
     ),
     Broken("[compare]\nreference = { \"a b\" = 1 }", (4, 15), "is not a dotted path", ""),
@@ -226,13 +228,13 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken(
         "[[expect]]\nmetric = \"error_final_base_x\"\nmax = 1\n[compare]\ntruth = { final_base_y = 0 }",
         (4, 10),
-        "`expect.0.metric` names `error_final_base_x`, which takes a truth",
+        "`expect.0.metric` names `error_final_base_x`, which requires a truth",
         "",
     ),
     Broken(
         "[[expect]]\nmetric = \"error_position_rms_m\"\nmax = 1\n[compare]\ntiming_repeats = 1",
         (4, 10),
-        "`expect.0.metric` names `error_position_rms_m`, which takes a reference run",
+        "`expect.0.metric` names `error_position_rms_m`, which requires a reference run",
         "",
     ),
     Broken(
@@ -377,7 +379,7 @@ const BELOW_ROBOT: &[Broken] = &[
         "",
     ),
     Broken("[sweep]\nzip = [{ \"sweep.repeat\" = [1, 2] }]", (4, 10), "cannot be swept", ""),
-    Broken("[[expect]]\nmetric = \"error_joint_rms_rad\"\nmax = 1", (4, 10), "takes a reference run", ""),
+    Broken("[[expect]]\nmetric = \"error_joint_rms_rad\"\nmax = 1", (4, 10), "requires a reference run", ""),
     // Sweeps.
     Broken("[sweep]\ngrid = { \"contact.metod\" = [\"exact\"] }", (4, 19), "unknown key `metod`", "`method`"),
     Broken(
@@ -662,7 +664,7 @@ const BELOW_ROBOT: &[Broken] = &[
         "`seed` is swept already by `seed` at scenarios/test.toml:4:10",
         "",
     ),
-    // Swept values that do not fit, and the places they lead to.
+    // Swept values that do not fit, and paths that do not exist.
     Broken(
         "[sweep]\ngrid = { \"floor.friction\" = [0.1, \"x\"] }\n[floor]\nfriction = 0.5",
         (4, 35),
@@ -675,7 +677,7 @@ const BELOW_ROBOT: &[Broken] = &[
         "`floor.height` must be",
         "`floor.height` is at scenarios/test.toml:6:1",
     ),
-    // TOML itself.
+    // TOML syntax.
     Broken("base = { rpy = [0, 0, 0 }", (3, 25), "", ""),
     Broken("[floor]\nheight = 1\nheight = 2", (5, 1), "duplicate key", ""),
     Broken("seed == 1", (3, 7), "", ""),
@@ -692,7 +694,7 @@ fn each_error_is_shown_at_its_position() {
         assert!(first.message.contains(message), "{message:?} in\n{shown}");
         assert!(first.help.as_deref().unwrap_or_default().contains(help), "{help:?} in\n{shown}");
         assert_eq!(first.severity, Severity::Error);
-        // What is printed names the same place and carries the line.
+        // The printed message names the same position and quotes the line.
         assert!(shown.contains(&format!("scenarios/test.toml:{line}:{column}")), "{shown}");
         let offending = text.lines().nth(line - 3).unwrap();
         assert!(shown.contains(offending.trim_end()), "{shown}");

@@ -1,4 +1,4 @@
-//! What a scenario means when it says little, and that it keeps what it says.
+//! Defaults of a scenario, and preservation of its given values.
 
 use std::path::Path;
 
@@ -43,9 +43,9 @@ fn the_smallest_scenario_has_the_documented_defaults() {
     assert_eq!((c.restitution, c.events), (0.0, EventHandling::Locate));
     assert!(c.forced.is_empty());
     let springs = (c.penalty.stiffness, c.penalty.damping, c.penalty.slip_velocity);
-    let kept = PenaltyParameters::default();
+    let defaults = PenaltyParameters::default();
     assert_eq!(springs, (1e5, 300.0, 1e-3));
-    assert_eq!(springs, (kept.stiffness, kept.damping, kept.slip_velocity));
+    assert_eq!(springs, (defaults.stiffness, defaults.damping, defaults.slip_velocity));
 
     let i = &s.integrator;
     assert_eq!(i.method, IntegratorMethod::Dopri5);
@@ -90,12 +90,12 @@ joints = {{ knee = {{ coulomb = 1 }} }}
     let ForceSpec::Constant(constant) = &s.force[1] else { panic!("{:?}", s.force[1]) };
     assert_eq!((constant.start, constant.duration, constant.moment), (0.0, None, [0.0, 0.0, 1.0]));
     let ForceSpec::JointFriction(friction) = &s.force[2] else { panic!("{:?}", s.force[2]) };
-    let of = |joint| friction.of(joint).map(|f| (f.coulomb, f.viscous));
+    let of = |joint| friction.friction_of(joint).map(|f| (f.coulomb, f.viscous));
     assert_eq!((of("knee"), of("hip")), (Some((1.0, 0.0)), Some((0.0, 2.0))));
 }
 
 #[test]
-fn the_full_example_is_understood() {
+fn the_full_example_is_read() {
     let s = runs(FULL).remove(0).scenario;
     assert_eq!(s.description, "Push recovery on a slippery floor");
     // One rounding in the conversion to radians.
@@ -120,7 +120,7 @@ fn one_number_is_both_frictions_and_no_soles_is_not_all_soles() {
 }
 
 #[test]
-fn a_resolved_scenario_reads_back_to_the_same() {
+fn a_resolved_scenario_reads_back_unchanged() {
     for text in [SMALLEST, FULL] {
         for run in runs(text) {
             let again = runs(&run.resolved_toml).remove(0);
@@ -131,7 +131,7 @@ fn a_resolved_scenario_reads_back_to_the_same() {
 }
 
 #[test]
-fn the_resolved_text_does_not_depend_on_how_the_file_is_written() {
+fn the_resolved_text_does_not_depend_on_the_notation() {
     let a = runs("[robot]\nmodel = \"b\"\nposture = { b = 1, a = 2 }\n[floor]\nfriction = 0.5\n");
     let b = runs(
         "# x\nfloor = { height = 0, friction = { kinetic = 0.5, static = 5e-1 } }\n[robot.posture]\na = 2.0\nb = 1.0\n[robot]\nmodel = 'b'\n",
@@ -140,7 +140,7 @@ fn the_resolved_text_does_not_depend_on_how_the_file_is_written() {
 }
 
 #[test]
-fn paths_start_at_the_scenario_file() {
+fn paths_are_relative_to_the_scenario_file() {
     let file = file(FULL).unwrap();
     assert_eq!(file.name(), "test");
     assert_eq!(file.resolve("../robots/a.toml"), Path::new("scenarios/../robots/a.toml"));
@@ -151,12 +151,12 @@ fn paths_start_at_the_scenario_file() {
 }
 
 #[test]
-fn what_starts_after_the_end_is_worth_a_warning() {
+fn entries_that_start_after_the_end_give_a_warning() {
     let runs = runs(&format!(
         "duration = 1\n{SMALLEST}[[force]]\ntype = \"push\"\nlink = \"l\"\nforce = [1, 0, 0]\nstart = 2\n[sweep]\nrepeat = 2\n"
     ));
     assert_eq!(runs[0].warnings.len(), 1);
     assert!(!runs[0].warnings.has_errors());
     assert_eq!(runs[0].warnings.0[0].location(), "scenarios/test.toml:8:9");
-    assert!(runs[1].warnings.is_empty(), "told once");
+    assert!(runs[1].warnings.is_empty(), "reported once");
 }

@@ -1,4 +1,4 @@
-//! Sweeps and overrides: which runs there are, in which order, with which values.
+//! Sweeps and overrides: the runs, their order, and their values.
 
 use stiction::scenario::{ForceSpec, parse_override};
 
@@ -40,7 +40,7 @@ fn the_last_key_of_the_file_changes_fastest() {
         assert_eq!(run.parameters[0].1.as_float(), Some(step));
         assert_eq!(run.parameters[1].1.as_str(), Some(method));
         assert_eq!(run.parameters[2].1.as_float(), Some(friction));
-        // The parameters are what the scenario says.
+        // The parameters of a run equal the values of its scenario.
         assert_eq!(run.scenario.integrator.step, step);
         assert_eq!(run.scenario.contact.method.name(), method);
         assert_eq!(run.scenario.floor.friction.static_, friction);
@@ -58,7 +58,7 @@ fn repetitions_differ_in_their_seed_and_change_fastest() {
 }
 
 #[test]
-fn seeds_that_leave_the_numbers_are_refused() {
+fn seeds_out_of_range_are_refused() {
     let found = wrong(&format!("seed = 9223372036854775807\n{SMALLEST}[sweep]\nrepeat = 2\n"), &[]);
     assert_eq!(found.0[0].location(), "scenarios/test.toml:1:8", "{found}");
     let found = wrong(&format!("{SMALLEST}[sweep]\nrepeat = 2\ngrid = {{ seed = [1, 2] }}\n"), &[]);
@@ -66,12 +66,12 @@ fn seeds_that_leave_the_numbers_are_refused() {
 }
 
 #[test]
-fn ranges_hit_their_ends() {
+fn ranges_include_their_ends_exactly() {
     let range = |form: &str| swept(&format!("[sweep]\ngrid = {{ \"floor.friction\" = {form} }}\n"), "floor.friction");
     assert_eq!(range("{ linspace = [0, 1, 5] }"), [0.0, 0.25, 0.5, 0.75, 1.0]);
     assert_eq!(range("{ linspace = [0.1, 0.9, 9] }"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]);
     assert_eq!(range("{ logspace = [1e-6, 1e-2, 5] }"), [1e-6, 1e-5, 1e-4, 1e-3, 1e-2]);
-    // Whole numbers stay whole, so that counts can be swept.
+    // Integers stay integers, so that counts can be swept.
     let counts = |form: &str| {
         swept(&format!("[sweep]\ngrid = {{ \"contact.ncp.iterations\" = {form} }}\n"), "contact.ncp.iterations")
     };
@@ -80,21 +80,21 @@ fn ranges_hit_their_ends() {
     assert_eq!(range("{ step = [0.1, 0.7, 0.1] }"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]);
     assert_eq!(range("{ step = [1.0, 0.0, -0.4] }"), [1.0, 0.6, 0.2]);
     assert_eq!(range("[0.5, 1]"), [0.5, 1.0], "a column is of one kind");
-    // Every thousandth of a decimal range, against the same numbers written out.
+    // Every thousandth of a decimal range, compared with the same numbers written out.
     let thousandths = range("{ step = [0.001, 2.0, 0.001] }");
     let written: Vec<f64> = (1..=2000).map(|i| format!("{}e-3", i).parse().unwrap()).collect();
     assert_eq!(thousandths, written);
 }
 
 #[test]
-fn whole_steps_stay_whole() {
+fn integer_steps_stay_integers() {
     let runs = runs(&format!("{SMALLEST}[sweep]\ngrid = {{ \"seed\" = {{ step = [2, 8, 3] }} }}\n"));
     let seeds: Vec<_> = runs.iter().map(|r| r.scenario.seed).collect();
     assert_eq!(seeds, [2, 5, 8]);
 }
 
 #[test]
-fn a_sweep_may_give_what_the_file_lacks_and_reach_into_arrays() {
+fn a_sweep_may_add_keys_and_reach_into_arrays() {
     let found = runs("[sweep]\ngrid = { \"robot.model\" = [\"a.urdf\", \"b.urdf\"] }\n");
     assert_eq!(found[1].scenario.robot.model, "b.urdf");
     let text = FULL.replace("\"contact.method\" = [\"exact\", \"one-step\"]", "\"force.0.force.0\" = [1, 2]");
@@ -121,7 +121,7 @@ fn pairs(text: &str, a: &str, b: &str) -> Vec<(f64, f64)> {
 fn the_keys_of_a_zip_table_advance_together() {
     let text = "[sweep]\nzip = [{ \"floor.friction\" = [0.1, 0.2, 0.3], duration = { linspace = [1, 2, 3] } }]\n";
     assert_eq!(pairs(text, "floor.friction", "duration"), [(0.1, 1.0), (0.2, 1.5), (0.3, 2.0)]);
-    // What is swept is what is run, truths of expectations included.
+    // The run uses the swept values, including the true values of expectations.
     let text = format!(
         "{SMALLEST}[[expect]]\nmetric = \"final_base_x\"\nvalue = 0\ntolerance = 1e-9\n[sweep]\nzip = [{{ \"floor.friction\" = [0.1, 0.2], \"expect.0.value\" = [5.0, 2.5] }}]\n"
     );
@@ -160,7 +160,7 @@ fn zip_tables_and_the_grid_are_nested_in_the_order_of_the_file() {
 }
 
 #[test]
-fn an_overridden_key_of_a_zip_table_stays_while_the_others_advance() {
+fn an_overridden_key_of_a_zip_table_is_constant_while_the_others_advance() {
     let text = format!("{SMALLEST}[sweep]\nzip = [{{ duration = [1, 2, 3], \"floor.friction\" = [0.1, 0.2, 0.3] }}]\n");
     let file = file(&text).unwrap();
     let values = |overrides: &[&str]| -> Vec<(f64, f64)> {
@@ -182,19 +182,19 @@ fn the_number_of_runs_is_limited() {
     assert_eq!(file.expand_at_most(&[], 30).unwrap().len(), 30);
     let found = file.expand_at_most(&[], 29).unwrap_err();
     assert!(found.to_string().contains("30 runs, 29 are allowed"), "{found}");
-    // Refused before anything is made, however many there would be.
+    // Refused before any run is built, at any number of runs.
     let huge = "[sweep]\ngrid = { \"floor.height\" = { step = [0, 1, 1e-300] }, \"floor.friction\" = { linspace = [0, 1, 4294967295] } }\n";
     assert!(wrong(&format!("{SMALLEST}{huge}"), &[]).to_string().contains("10000 are allowed"));
 }
 
 #[test]
-fn an_override_does_not_drop_another_unseen() {
+fn overrides_do_not_silently_replace_each_other() {
     let file = file("[robot]\nmodel = \"r\"\n[floor]\nfriction = { static = 0.9, kinetic = 0.7 }\n").unwrap();
-    // What the file has is replaced as a whole, and of one key the last counts.
+    // A value of the file is replaced as a whole; of several overrides of one key the last counts.
     let friction = |overrides: &[&str]| file.expand(&set(overrides)).unwrap()[0].scenario.floor.friction;
     assert_eq!((friction(&["floor.friction=0.4"]).static_, friction(&["floor.friction=0.4"]).kinetic), (0.4, 0.4));
     assert_eq!(friction(&["floor.friction.static=1", "floor.friction.static=0.8"]).static_, 0.8);
-    // A number and a part of a table for one value are two answers, in either order.
+    // A number and a part of a table for one value are contradictory, in either order.
     for order in
         [["floor.friction.static=0.9", "floor.friction=0.4"], ["floor.friction=0.4", "floor.friction.static=0.9"]]
     {
@@ -228,14 +228,14 @@ fn overrides_replace_values() {
     assert_eq!(s.description, "a b");
     let ForceSpec::Push(push) = &s.force[0] else { panic!("{:?}", s.force[0]) };
     assert_eq!(push.force, [10.0, 0.0, 0.0]);
-    // The swept key that is overridden keeps one value, its column stays.
+    // An overridden swept key has one value; its column stays.
     assert_eq!(runs.len(), 5);
     assert!(runs.iter().all(|r| r.parameters[0] == ("contact.method".into(), "one-step".into())));
     assert!(runs.iter().all(|r| r.scenario.contact.method.name() == "one-step"));
 }
 
 #[test]
-fn overrides_that_lead_nowhere_are_shown() {
+fn overrides_of_nonexistent_keys_are_reported() {
     let table: &[(&str, &str, &str)] = &[
         ("floor.frction=1", "--set:1:7", "unknown key `frction` in `floor`"),
         ("durtion=1", "--set:1:1", "unknown key `durtion`"),
@@ -266,7 +266,7 @@ fn overrides_that_lead_nowhere_are_shown() {
 }
 
 #[test]
-fn assignments_as_typed() {
+fn assignments_are_parsed_as_typed() {
     let value = |text| parse_override(text).map(|(_, value)| value);
     assert_eq!(value("a=1"), Ok(1.into()));
     assert_eq!(value("a = 1.5 "), Ok(1.5.into()));
@@ -281,7 +281,7 @@ fn assignments_as_typed() {
 }
 
 #[test]
-fn later_findings_are_shown_where_the_value_of_that_run_was_written() {
+fn later_errors_are_reported_at_the_value_of_that_run() {
     let text = format!(
         "{SMALLEST}[[force]]\ntype = \"push\"\nlink = \"a\"\nforce = [1, 0, 0]\n[[task]]\ntype = \"posture\"\njoints = {{ knee = 1 }}\n[sweep]\ngrid = {{ \"force.0.link\" = [\"b\", \"c\"] }}\n"
     );
@@ -304,14 +304,14 @@ fn later_findings_are_shown_where_the_value_of_that_run_was_written() {
 }
 
 #[test]
-fn overrides_of_a_swept_key_and_then_of_its_table() {
+fn a_swept_key_and_then_its_table_can_be_overridden() {
     let text = format!("{SMALLEST}[sweep]\ngrid = {{ \"floor.height\" = [0, 1] }}\n");
     let found = wrong(&text, &set(&["floor.height=2", "floor={}"]));
     assert!(found.to_string().contains("`floor` would replace `floor.height`, which is set as well"), "{found}");
 }
 
 #[test]
-fn parameters_of_a_method_that_no_run_uses_are_warned_of() {
+fn parameters_of_a_method_that_no_run_uses_give_a_warning() {
     let warnings = |text: &str, overrides: &[&str]| -> Vec<String> {
         let runs = file(&format!("{SMALLEST}{text}")).unwrap().expand(&set(overrides)).unwrap();
         runs.iter().flat_map(|r| r.warnings.iter()).map(|d| format!("{} {}", d.location(), d.message)).collect()
@@ -330,7 +330,8 @@ fn parameters_of_a_method_that_no_run_uses_are_warned_of() {
         warnings("[contact]\nmethod = \"lcp\"\nncp = { iterations = 3 }\n", &[]),
         [format!("scenarios/test.toml:5:1 {}", idle("ncp", "lcp"))]
     );
-    // Not where a sweep or an override selects the method, nor where nothing is changed; once for a swept parameter.
+    // No warning if a sweep or an override selects the method, or if nothing is changed; one
+    // warning for a swept parameter.
     let swept = "[sweep.grid]\n\"contact.method\" = [\"exact\", \"lcp\"]\n";
     assert_eq!(warnings(&format!("[contact.lcp]\nfacets = 6\n{swept}"), &[]), [""; 0]);
     assert_eq!(warnings("[contact.lcp]\nfacets = 6\n", &["contact.method=lcp"]), [""; 0]);
@@ -341,7 +342,7 @@ fn parameters_of_a_method_that_no_run_uses_are_warned_of() {
 }
 
 #[test]
-fn events_change_the_scenario_one_after_the_other() {
+fn events_change_the_scenario_in_order() {
     let text = "[[event]]\nat = 2\nset = { \"floor.friction.kinetic\" = 0.1, gravity = [0, 0, -1] }\n\
                 [[event]]\nat = 1\nset = { \"floor.friction\" = { static = 0.5, kinetic = 0.4 } }\nsave = \"here\"\n\
                 [[event]]\nat = 2\nrestore = \"here\"\n";
@@ -360,7 +361,7 @@ fn events_change_the_scenario_one_after_the_other() {
 }
 
 #[test]
-fn times_and_values_of_events_are_swept() {
+fn times_and_values_of_events_can_be_swept() {
     let text = "[[event]]\nat = 1\nset = { \"floor.friction\" = 0.5 }\n[sweep.grid]\n\"event.0.at\" = [0.5, 1.5]\n\
                 'event.0.set.\"floor.friction\"' = [0.2, 0.3]\n";
     let runs = runs(&format!("{SMALLEST}{text}"));
@@ -368,7 +369,7 @@ fn times_and_values_of_events_are_swept() {
         runs.iter().map(|r| (r.events[0].at, r.events[0].after.scenario.floor.friction.static_)).collect();
     assert_eq!(found, [(0.5, 0.2), (0.5, 0.3), (1.5, 0.2), (1.5, 0.3)]);
     assert_eq!(runs[1].parameters[1].0, "event.0.set.\"floor.friction\"");
-    // A wrong value is shown where the sweep has it.
+    // A wrong value is reported at its position in the sweep.
     let wrong = wrong(&format!("{SMALLEST}{}", text.replace("[0.2, 0.3]", "[0.2, -3]")), &[]);
     assert!(wrong.0[0].location().contains(":8:"), "{}", wrong.0[0].location());
 }

@@ -1,4 +1,4 @@
-//! `sweep.list`: sets of values, one after the other.
+//! `sweep.list`: sets of values, in order.
 
 use stiction::scenario::{Run, parse_override};
 
@@ -43,7 +43,7 @@ fn keys_that_a_table_does_not_name_have_the_values_of_the_file() {
         found,
         [("exact", 1e-3, 0.8), ("one-step", 2e-3, 0.8), ("one-step", 1e-3, 0.9), ("one-step", 1e-3, 0.8)]
     );
-    // Every cell of the summary says what its run had: from the file, or the default.
+    // Every cell of the summary has the run's own value: from the file, or the default.
     let method = |name: &str, step: &str, friction: &str| {
         format!("contact.method=\"{name}\" integrator.step={step} floor.friction.static={friction}")
     };
@@ -54,12 +54,13 @@ fn keys_that_a_table_does_not_name_have_the_values_of_the_file() {
 }
 
 #[test]
-fn a_table_of_defaults_is_no_value_of_a_cell() {
-    // In the second run `floor.friction` is a table that nobody wrote.
+fn a_table_of_defaults_leaves_the_cell_empty() {
+    // In the second run `floor.friction` is a default table that the file does not contain.
     let runs = listed("[sweep]\nlist = [{ \"floor.friction\" = 0.5 }, { duration = 2 }]\n");
     assert_eq!(listed_parameters(&runs[0]), "floor.friction=0.5 duration=5.0");
     assert_eq!(listed_parameters(&runs[1]), "duration=2");
-    // Tables may name a value and a part of it: only one of them counts at a time, and both are listed_parameters as they are.
+    // Tables may name a value and a part of it: only one of them counts in a run, and both are
+    // listed unchanged.
     let floor = "[floor]\nfriction = { static = 0.8, kinetic = 0.6 }\n";
     let list = "list = [{ \"floor.friction\" = 0.9 }, { \"floor.friction.kinetic\" = 0.1 }]\n";
     let runs = listed(&format!("{floor}[sweep]\n{list}"));
@@ -94,13 +95,13 @@ fn a_list_is_one_dimension_nested_in_the_order_of_the_file() {
     };
     assert_eq!(order(format!("{list}{grid}")), [(1.0, 0.0), (1.0, 10.0), (2.0, 0.0), (2.0, 10.0)]);
     assert_eq!(order(format!("{grid}{list}")), [(1.0, 0.0), (2.0, 0.0), (1.0, 10.0), (2.0, 10.0)]);
-    assert!(order("list = []\n".into()).len() == 1, "an empty list asks for nothing");
+    assert!(order("list = []\n".into()).len() == 1, "an empty list sweeps nothing");
     let blocks = "[[sweep.list]]\nduration = 1\n[[sweep.list]]\nduration = 2\n";
     assert_eq!(listed(blocks).iter().map(|r| r.scenario.duration).collect::<Vec<_>>(), [1.0, 2.0]);
 }
 
 #[test]
-fn an_overridden_key_stays_while_the_tables_advance() {
+fn an_overridden_key_is_constant_while_the_tables_advance() {
     let text =
         format!("{SMALLEST}[sweep]\nlist = [{{ duration = 1, \"floor.height\" = 1 }}, {{ \"floor.height\" = 2 }}]\n");
     let file = file(&text).unwrap();
@@ -124,7 +125,7 @@ fn the_number_of_runs_is_limited() {
 }
 
 #[test]
-fn a_mistake_names_what_it_would_have_replaced() {
+fn an_error_names_the_value_to_be_replaced() {
     let text = format!("{SMALLEST}[floor]\nheight = 1\n[sweep]\nlist = [{{ \"floor.height\" = \"low\" }}]\n");
     let found = wrong(&text, &[]);
     assert_eq!(found.0[0].location(), "scenarios/test.toml:6:28", "{found}");

@@ -1,4 +1,4 @@
-//! Scenario files as a user writes them: what is understood, what is refused and where.
+//! Scenario files as input of users: accepted and refused texts, and positions of errors.
 
 mod bounds;
 mod broken;
@@ -15,18 +15,18 @@ use std::path::Path;
 
 use stiction::scenario::{Diagnostics, Run, ScenarioFile, parse};
 
-/// Every available part of the format at once.
+/// Every available part of the format.
 pub const FULL: &str = include_str!("full.toml");
 
 /// The smallest scenario.
 pub const SMALLEST: &str = "[robot]\nmodel = \"block.urdf\"\n";
 
-/// A scenario file under a name of its own, not on disk.
+/// A scenario file with a unique name, not on disk.
 fn file(text: &str) -> Result<ScenarioFile, Diagnostics> {
     parse(Path::new("scenarios/test.toml"), text)
 }
 
-/// The runs of a text that is sound.
+/// The runs of a valid text.
 fn runs(text: &str) -> Vec<Run> {
     match file(text).and_then(|f| f.expand(&[])) {
         Ok(runs) => runs,
@@ -34,7 +34,7 @@ fn runs(text: &str) -> Vec<Run> {
     }
 }
 
-/// What is wrong with a text, with overrides.
+/// The errors of a text with overrides.
 fn wrong(text: &str, overrides: &[(String, toml::Value)]) -> Diagnostics {
     match file(text).and_then(|f| f.expand(overrides)) {
         Ok(_) => panic!("accepted:\n{text}"),

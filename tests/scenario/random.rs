@@ -1,4 +1,4 @@
-//! `sweep.random`: what is drawn, from what, and that it is drawn again the same.
+//! `sweep.random`: the drawn values, their distributions, and their reproducibility.
 
 use stiction::scenario::{ForceSpec, Run, parse_override};
 
@@ -46,8 +46,8 @@ fn drawn_values_are_those_of_the_runs() {
 }
 
 #[test]
-fn the_same_seed_draws_the_same_for_ever() {
-    // SelectionRecord: results are found again by keys that hang on these numbers.
+fn equal_seeds_draw_equal_values_in_every_version() {
+    // Results are found by keys that depend on these numbers.
     let frozen: [(&str, [[f64; 4]; 3]); 3] = [
         (
             "random",
@@ -82,7 +82,7 @@ fn the_same_seed_draws_the_same_for_ever() {
         for (run, [height, seed, duration, gravity]) in runs(&text).iter().zip(samples) {
             let s = &run.scenario;
             assert_eq!((s.floor.height, s.seed as f64), (height, seed), "{sampling}: exact on every machine");
-            // These pass through the machine's exp and ln: a few units in the last place.
+            // These use the machine's exp and ln: a few units in the last place.
             assert!((s.duration / duration - 1.0).abs() < 1e-15, "{sampling} {}", s.duration);
             assert!((s.gravity[2] / gravity - 1.0).abs() < 1e-15, "{sampling} {}", s.gravity[2]);
         }
@@ -110,17 +110,17 @@ fn draws_depend_on_seed_and_path_only() {
         );
         assert_ne!(alone, of("seed = 2", &format!("samples = 6, sampling = \"{sampling}\", {key}")));
     }
-    // In a Sobol sequence the place among the keys counts, so a key behind changes nothing.
+    // In a Sobol sequence the index of the key counts, so a later key changes nothing.
     let key = "samples = 6, sampling = \"sobol\", \"floor.height\" = { uniform = [0, 1] }";
     assert_eq!(of("", key), of("", &format!("{key}, duration = {{ uniform = [1, 2] }}")));
     assert_ne!(of("", key), of("seed = 2", key));
-    // Fewer samples are the first of more, but for a Latin hypercube.
+    // Fewer samples are the first of more, except in a Latin hypercube.
     let first = |n: usize, sampling: &str| {
         of("", &format!("samples = {n}, sampling = \"{sampling}\", \"floor.height\" = {{ uniform = [0, 1] }}"))
     };
     assert_eq!(first(9, "random")[..6], first(6, "random"));
     assert_eq!(first(9, "sobol")[..6], first(6, "sobol"));
-    // An overridden seed draws anew; a repeated one does not.
+    // An overridden seed draws new values; a repeated one does not.
     let file = file(&format!("{SMALLEST}[sweep]\nrepeat = 2\nrandom = {{ {key} }}\n")).unwrap();
     let values = |set: &str| -> Vec<_> {
         let runs = file.expand(&[parse_override(set).unwrap()]).unwrap();
@@ -143,10 +143,10 @@ fn a_latin_hypercube_has_one_sample_in_each_part_of_equal_probability() {
     parts(heights("lhs", "uniform = [-3, 5]"), &|x| (x + 3.0) / 8.0);
     parts(heights("lhs", "log-uniform = [1e-3, 10]"), &|x| (x / 1e-3).log10() / 4.0);
     parts(heights("sobol", "uniform = [0, 1]"), &|x| x);
-    // Whole numbers and words: each equally often, when they divide the samples.
+    // Integers and strings: each equally often, if their number divides the samples.
     let counted = |random: &str| {
         let mut counts = std::collections::BTreeMap::new();
-        // `duration` tells apart runs that are otherwise the same.
+        // `duration` distinguishes runs that are otherwise equal.
         for run in sampled(&format!("{random}, duration = {{ uniform = [1, 2] }}")) {
             *counts.entry(run.parameters[0].1.to_string()).or_insert(0) += 1;
         }
@@ -154,9 +154,9 @@ fn a_latin_hypercube_has_one_sample_in_each_part_of_equal_probability() {
     };
     let sixths = counted("samples = 60, sampling = \"lhs\", seed = { integer = [5, 10] }");
     assert_eq!(sixths, ["10", "5", "6", "7", "8", "9"].map(|w| (w.to_owned(), 10)));
-    let words =
+    let counts =
         counted("samples = 64, sampling = \"sobol\", \"contact.method\" = { choice = [\"exact\", \"one-step\"] }");
-    assert_eq!(words, [("\"exact\"".to_owned(), 32), ("\"one-step\"".to_owned(), 32)]);
+    assert_eq!(counts, [("\"exact\"".to_owned(), 32), ("\"one-step\"".to_owned(), 32)]);
     let mixed = counted("samples = 4, sampling = \"lhs\", \"floor.height\" = { choice = [1, 0.5] }");
     assert_eq!(mixed, [("0.5".to_owned(), 2), ("1.0".to_owned(), 2)], "a column is of one kind of number");
 }
@@ -177,14 +177,15 @@ fn normal_samples_have_the_moments_of_the_normal_distribution() {
     let n = 4096f64;
     for sampling in ["random", "lhs", "sobol"] {
         let [m, deviation, skewness, kurtosis] = moments(&heights(sampling, "normal = [10, 2]"));
-        // Five standard errors of independent samples, which the even ones stay far below: deviation / sqrt(n),
-        // deviation / sqrt(2 n), sqrt(6 / n), sqrt(24 / n).
+        // Five standard errors of independent samples: deviation / sqrt(n), deviation / sqrt(2 n),
+        // sqrt(6 / n), sqrt(24 / n). Stratified samples stay far below.
         assert!((m - 10.0).abs() < 5.0 * 2.0 / n.sqrt(), "{sampling} {m}");
         assert!((deviation - 2.0).abs() < 5.0 * 2.0 / (2.0 * n).sqrt(), "{sampling} {deviation}");
         assert!(skewness.abs() < 5.0 * (6.0 / n).sqrt(), "{sampling} {skewness}");
         assert!((kurtosis - 3.0).abs() < 5.0 * (24.0 / n).sqrt(), "{sampling} {kurtosis}");
     }
-    // Stratified, the mean's error falls with n^(-3/2) but for the tails: each part errs by at most its width.
+    // Stratified, the mean's error falls with n^(-3/2) except for the tails: each part errs by at
+    // most its width.
     let [m, ..] = moments(&heights("lhs", "normal = [10, 2]"));
     assert!((m - 10.0).abs() < 2e-3, "{m}");
 }
@@ -230,7 +231,11 @@ fn samples_are_one_dimension_nested_in_the_order_of_the_file() {
     assert!(outer[0].0 == outer[1].0 && outer[0].2 == outer[1].2 && outer[1].0 != outer[2].0, "{outer:?}");
     let inner = order(format!("{grid}{random}"));
     assert_eq!(inner.iter().map(|r| r.1).collect::<Vec<_>>(), [0.0, 0.0, 10.0, 10.0]);
-    assert_eq!((inner[0].0, inner[1].0), (outer[0].0, outer[2].0), "what is drawn does not hang on where it stands");
+    assert_eq!(
+        (inner[0].0, inner[1].0),
+        (outer[0].0, outer[2].0),
+        "drawn values do not depend on the position in the file"
+    );
 }
 
 #[test]
@@ -265,7 +270,7 @@ fn a_sobol_sequence_is_no_longer_than_its_table() {
 }
 
 #[test]
-fn an_overridden_key_stays_while_the_others_are_drawn() {
+fn an_overridden_key_is_constant_while_the_others_are_drawn() {
     let text = format!(
         "{SMALLEST}[sweep]\nrandom = {{ samples = 3, duration = {{ uniform = [1, 2] }}, \"floor.height\" = {{ uniform = [0, 1] }} }}\n"
     );

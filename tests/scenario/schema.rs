@@ -1,4 +1,4 @@
-//! The JSON Schema says the same as the reader.
+//! The JSON Schema agrees with the reader.
 
 use std::collections::BTreeSet;
 
@@ -12,9 +12,9 @@ fn keys(value: &Value) -> BTreeSet<String> {
 }
 
 #[test]
-fn every_key_it_knows_is_known_to_the_reader() {
+fn every_key_of_the_schema_is_known_to_the_reader() {
     let known = keys(&schema()["properties"]);
-    // The reader lists what it knows when a key is like none of it.
+    // The reader lists the known keys for a key that is similar to none.
     let wrong = file(&format!("xyzzyxyzzyxyzzy = 1\n{SMALLEST}")).unwrap().expand(&[]).unwrap_err();
     let help = wrong.0[0].help.clone().unwrap();
     let listed: BTreeSet<String> = help.split('`').skip(1).step_by(2).map(str::to_owned).collect();
@@ -22,7 +22,7 @@ fn every_key_it_knows_is_known_to_the_reader() {
 }
 
 #[test]
-fn resolved_scenarios_have_no_key_it_does_not_know() {
+fn resolved_scenarios_have_only_keys_of_the_schema() {
     let schema = schema();
     for run in runs(FULL) {
         let value: Value = serde_json::to_value(toml::from_str::<toml::Table>(&run.resolved_toml).unwrap()).unwrap();
@@ -39,7 +39,7 @@ fn resolved_scenarios_have_no_key_it_does_not_know() {
 }
 
 #[test]
-fn it_is_as_strict_as_the_reader() {
+fn the_schema_is_as_strict_as_the_reader() {
     let schema = schema();
     assert_eq!(schema["required"], serde_json::json!(["robot"]));
     assert_eq!(schema["properties"]["robot"].get("default"), None);

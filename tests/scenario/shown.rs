@@ -1,10 +1,10 @@
-//! What messages show of what was written: numbers beyond a limit, dates, keys that are there twice, what is long.
+//! Values in messages: numbers beyond a limit, dates, duplicate keys, long texts.
 
 use stiction::scenario::{Diagnostic, load, parse};
 
 use super::{SMALLEST, file, wrong};
 
-/// The first error of a text that precedes the smallest scenario, so it begins at line 1.
+/// The first error of a text placed before the smallest scenario, so it begins at line 1.
 fn first(text: &str) -> Diagnostic {
     wrong(&format!("{text}\n{SMALLEST}"), &[]).0.swap_remove(0)
 }
@@ -83,7 +83,7 @@ fn a_duplicate_key_is_reported_with_the_first() {
         assert_eq!(found.help.as_deref(), Some(help));
         assert_eq!(found.key().as_deref(), Some(key), "{found}");
     }
-    // However many there are, the file is gone through only so often.
+    // With any number of duplicates, the file is searched a bounded number of times.
     let many = "k = 1\n".repeat(100_000);
     let found = file(&many).unwrap_err();
     assert_eq!(found.0[199].message, "duplicate key `k`");
@@ -100,7 +100,7 @@ fn long_keys_are_shortened() {
     }
     let found = file(&format!("[floor]\n{long} = 1\n{long} = 1\n")).unwrap_err();
     assert!(found.to_string().len() < 3000 && found.0[0].message.contains("floor.kkk"));
-    // A path that a person has to find is shown whole.
+    // A path that the user has to find is shown in full.
     let path = format!("{}/none.toml", "folder/".repeat(40));
     assert!(load(path.as_ref()).unwrap_err().to_string().contains(&path));
     assert!(parse(path.as_ref(), "x").unwrap_err().to_string().contains(&path));

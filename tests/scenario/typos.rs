@@ -1,4 +1,4 @@
-//! Any single mistyped key of a sound file is an error that names its line.
+//! Any single mistyped key of a valid file is an error with its line.
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -9,7 +9,7 @@ use stiction::scenario::{METRICS, parse_override, schema};
 
 use super::{FULL, file, runs};
 
-/// Names that any word may be: of joints, and of what a script is given.
+/// Keys with free names: joints and script parameters.
 const NAMES: [&str; 1] = ["left_knee"];
 
 /// Every key of [`FULL`] that the format knows, by its byte range.
@@ -57,9 +57,9 @@ fn the_keys_are_found() {
     assert_eq!(runs(FULL).len(), 30, "the file itself is sound");
 }
 
-/// What is found when the key at `range` is written as `typo`; none if that is no mistyped key.
+/// The errors when the key at `range` is written as `typo`; `None` if that is no mistyped key.
 fn mistyped(keys: &[Range<usize>], range: &Range<usize>, typo: &str) -> Result<(), String> {
-    // A typo that is itself a key of the format, or a metric, or no key at all, is another mistake.
+    // A typo that is itself a key of the format, a metric, or no key at all is a different error.
     let is_key = keys.iter().any(|k| &FULL[k.clone()] == typo) || METRICS.contains(&typo);
     if typo.is_empty() || is_key {
         return Ok(());
@@ -76,7 +76,7 @@ fn mistyped(keys: &[Range<usize>], range: &Range<usize>, typo: &str) -> Result<(
 }
 
 #[test]
-fn each_key_is_missed_when_a_letter_is_too_much_or_too_few() {
+fn an_extra_or_missing_letter_in_any_key_is_an_error() {
     let keys = keys();
     let wrong = |range: &Range<usize>| {
         let key = &FULL[range.clone()];
@@ -86,11 +86,11 @@ fn each_key_is_missed_when_a_letter_is_too_much_or_too_few() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Every key that the schema has is in [`FULL`], and so is every type of task and force.
+/// Every key of the schema is in [`FULL`], and so is every type of task and force.
 #[test]
 fn nothing_of_the_format_is_missing() {
     let mut schema = schema();
-    // Ways to write values of a sweep, of which one is enough.
+    // Notations for the values of a sweep; one is enough.
     let definitions = schema["$defs"].as_object_mut().expect("definitions");
     definitions.retain(|name, _| !["Axis", "Distribution"].contains(&name.as_str()));
     let known: BTreeSet<&str> = keys().into_iter().map(|k| &FULL[k]).collect();
@@ -142,9 +142,10 @@ proptest! {
         }
     }
 
-    /// Text that is cut, doubled or sprinkled is accepted or refused, and what is refused can be shown.
+    /// Text that is cut, duplicated or has inserted characters is accepted or refused, and its
+    /// errors can be printed.
     #[test]
-    fn no_text_makes_it_panic(
+    fn no_text_makes_the_reader_panic(
         cut in any::<(prop::sample::Index, prop::sample::Index)>(),
         junk in "[\\PC\n\"\\[\\]{}=.,#0-9]{0,12}",
         assignment in ("[a-z_.0-9\"]{1,20}", "[0-9a-z\\[\\]\",.{}= -]{0,12}"),

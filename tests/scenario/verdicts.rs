@@ -1,4 +1,4 @@
-//! Expectations: when they hold, and how they say that they do not.
+//! Expectations: when they are met, and their messages when they are not.
 
 use stiction::scenario::{Expect, METRICS};
 
@@ -9,15 +9,15 @@ fn expect(text: &str) -> Expect {
 }
 
 #[test]
-fn a_value_holds_within_its_tolerance() {
+fn a_value_is_met_within_its_tolerance() {
     let e = expect("metric = \"final_base_x\"\nvalue = 0.5\ntolerance = 0.25");
     for (value, holds) in
         [(0.5, true), (0.25, true), (0.75, true), (0.7500001, false), (f64::NAN, false), (f64::INFINITY, false)]
     {
         assert_eq!(e.check(value).is_ok(), holds, "{value}");
     }
-    let said = e.check(1.0).unwrap_err().to_string();
-    assert!(said.contains("final_base_x is 1") && said.contains("0.5"), "{said}");
+    let message = e.check(1.0).unwrap_err().to_string();
+    assert!(message.contains("final_base_x is 1") && message.contains("0.5"), "{message}");
 }
 
 #[test]
@@ -48,7 +48,7 @@ fn limits_are_included() {
 }
 
 #[test]
-fn a_metric_without_a_value_does_not_hold() {
+fn a_metric_without_a_value_is_not_met() {
     let e = expect("metric = \"first_slip_s\"\nmax = 10");
     assert_eq!(e.judge("passed", |_| None).unwrap_err().to_string(), "first_slip_s has no value");
     assert!(e.judge("fallen", |name| (name == "first_slip_s").then_some(3.0)).is_ok());

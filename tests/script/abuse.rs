@@ -1,4 +1,5 @@
-//! Misbehaving scripts: each ends its run with file, line and message, or is refused before it.
+//! Misbehaving scripts: each ends its run with file, line and message, or is refused before the
+//! run.
 
 use super::{ScriptedRun, TASK, pendulum};
 use stiction::sim::{NullObserver, Outcome};
@@ -26,10 +27,10 @@ fn endless_loops_end() {
     ends("function run()\nlocal i = 0\nwhile true do\ni += 1\nend\nend", "s.luau:");
     ends("function run()\nwhile true do end\nend", "s.luau:2: more than 1000000 calls and loop iterations in one call");
     ends("function init()\nrepeat until false\nend\nfunction run() end", "s.luau:2: more than 1000000");
-    // Caught, it is still over.
+    // The error ends the run even if the script catches it.
     ends("function run()\npcall(function() while true do end end)\nend", "s.luau:3: more than 1000000");
     ends("function run()\nwhile true do pcall(function() while true do end end) end\nend", "s.luau:2: more than");
-    // A pattern that tries everything.
+    // A pattern with exponential backtracking.
     ends(
         "local s = string.rep(\"a\", 40)\nfunction run()\nstring.find(s, string.rep(\"a-\", 30) .. \"b\")\nend",
         "s.luau:3:",
@@ -67,7 +68,7 @@ fn processing_long_data_counts() {
         ("", "local x = table.create(3e5, 0)"),
         ("", "local x = string.rep(\"x\", 3e6)"),
     ] {
-        // Without it each takes minutes.
+        // Without the limit each takes minutes.
         ends(&run(first, body), expected);
     }
     refused("local b = buffer.create(6e6) for i = 1, 9e5 do buffer.fill(b, 0, 1) end\nfunction run() end", expected);
@@ -87,7 +88,7 @@ fn an_interruption_ends_scripts() {
     let scripted = scripted(script);
     let mut sim = stiction::script::interruptible(flag.clone(), || scripted.simulation());
     flag.store(true, std::sync::atomic::Ordering::Relaxed);
-    // Only the script reads the flag, not the run.
+    // Only the script reads the flag, not the run loop.
     let (outcome, message) = sim.run(&mut NullObserver, &std::sync::atomic::AtomicBool::new(false));
     assert!(outcome == Outcome::Error && message.contains("interrupted"), "{outcome:?} {message}");
     flag.store(false, std::sync::atomic::Ordering::Relaxed);
@@ -115,7 +116,7 @@ fn memory_is_limited() {
     refused("local s = \"x\"\nfor i = 1, 40 do s = s .. s end\nfunction run() end", "not enough memory");
 }
 
-/// 16 and 24 MB of live data, made anew at each of 50 ticks.
+/// 16 and 24 MB of live data, allocated at each of 50 ticks.
 #[test]
 fn garbage_does_not_count_as_memory() {
     for n in ["1e6", "1.5e6"] {
@@ -123,7 +124,7 @@ fn garbage_does_not_count_as_memory() {
         let (outcome, message) = scripted(&script).end(&mut NullObserver);
         assert_eq!(outcome, Outcome::Passed, "{n}: {message}");
     }
-    // What is kept counts: 10 MB more at every tick.
+    // Live data count: 10 MB more at every tick.
     ends(
         "local all = {}\nfunction run()\nall[#all + 1] = buffer.create(1e7)\nend",
         "not enough memory: a script may use 64 MiB",
@@ -219,7 +220,7 @@ fn a_script_cannot_change_the_data_of_the_next_call() {
     let script = "
         function run(robot)
             if robot.time > 0 then
-                assert(#robot.q == 2 and math.abs(robot.q[1]) < 1, \"filled anew\")
+                assert(#robot.q == 2 and math.abs(robot.q[1]) < 1, \"filled again\")
                 assert(robot.joint.elbow == 2)
             end
             robot.desired.position[1] = 1e9
@@ -258,7 +259,7 @@ fn the_robot_table_is_read_only() {
             assert!(found.contains("s.luau:3: ") && found.contains("readonly table"), "{statement}: {found}");
         }
     }
-    // What it is closed to, it may close.
+    // A script may test its read-only tables with `table.isfrozen`.
     let script = "function run(robot) assert(table.isfrozen(robot) and table.isfrozen(robot.q)) end";
     assert_eq!(scripted(script).end(&mut NullObserver).0, Outcome::Passed);
 }

@@ -1,5 +1,5 @@
-//! Scripts as files of a batch: found before anything runs, part of the key, kept in the log, the
-//! same on every thread.
+//! Scripts as files of a batch: checked before any run starts, part of the run key, stored in the
+//! log, and independent of the number of threads.
 
 use crate::cli::Place;
 use std::fs;
@@ -35,8 +35,8 @@ fn check_finds_errors_without_running() {
         }
         assert!(!place.path("results").exists());
     }
-    let gone = place(&WAVE.replace("wave.luau", "gone.luau"), SCRIPT);
-    let done = gone.runner(&["check", "s.toml"]).exits(2);
+    let missing = place(&WAVE.replace("wave.luau", "gone.luau"), SCRIPT);
+    let done = missing.runner(&["check", "s.toml"]).exits(2);
     assert!(done.stderr.contains("gone.luau") && done.stderr.contains("s.toml:5:8"), "{}", done.stderr);
 }
 

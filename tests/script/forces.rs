@@ -12,7 +12,7 @@ fn floating(body: &Body, base: &str, rest: &str) -> String {
 }
 
 #[test]
-fn a_body_drawn_by_an_inverse_square_goes_round_an_ellipse() {
+fn a_body_under_an_inverse_square_force_follows_an_ellipse() {
     let script = "
         links = { \"block\" }
         local strength
@@ -39,8 +39,7 @@ fn a_body_drawn_by_an_inverse_square_goes_round_an_ellipse() {
         let text = floating(&body, &base, &params).replace(TIGHT, &format!("\n{tight}\n"));
         let sim = passes(&format!("duration = {part:?}\n{text}"), script);
         let (position, v) = (sim.plant().state.position, &sim.plant().state.v);
-        // Integration at relative tolerance 1e-12 over some 500 steps, whose errors in phase add
-        // up.
+        // Integration at relative tolerance 1e-12 over some 500 steps, whose phase errors add up.
         assert!((position - place).norm() < 1e-8, "{position}");
         assert!((v[1] - velocity).abs() < 1e-7, "{v:?}");
         assert!(sim.metrics().max_energy_error_j < 1e-8, "{}", sim.metrics().max_energy_error_j);
@@ -48,7 +47,7 @@ fn a_body_drawn_by_an_inverse_square_goes_round_an_ellipse() {
 }
 
 #[test]
-fn a_script_gives_the_bits_of_the_built_in_force() {
+fn a_script_gives_the_same_bits_as_the_built_in_force() {
     let body = Body::new([0.1, 0.1, 0.05], 2.0);
     let script = "function run() return { { link = \"block\", point = { 0.1, 0, 0 }, force = { 1, 2, 3 },
         moment = { 0, 0.1, 0 }, frame = \"link\" } } end";
@@ -67,7 +66,7 @@ fn a_script_gives_the_bits_of_the_built_in_force() {
 
 #[test]
 fn joints_are_driven_and_parameters_change_at_corners() {
-    // A torque on the elbow that changes its sign: the events are where it does, and the energy
+    // A torque on the elbow that changes its sign: the events are at the changes, and the energy
     // balance closes.
     let script = "
         local torque
@@ -88,7 +87,7 @@ fn joints_are_driven_and_parameters_change_at_corners() {
 }
 
 #[test]
-fn parameters_that_an_event_gives_stay_until_a_later_change() {
+fn parameters_set_by_an_event_stay_until_a_later_change() {
     let script = "
         local a, b
         function init(robot, params) a, b = params.a, params.b end
@@ -97,10 +96,11 @@ fn parameters_that_an_event_gives_stay_until_a_later_change() {
     let body = Body::new([0.1, 0.1, 0.05], 2.0);
     let change = "change = [{ at = 0.1, params = { a = 2, b = 3 } }, { at = 0.3, params = { a = 7 } }]";
     for (set, [x, y]) in [
-        // 0.1 s of 1, 0.1 s of 2, then what the event gives until the change at 0.3 s; to 0.4 s.
+        // 0.1 s of 1, 0.1 s of 2, then the value set by the event until the change at 0.3 s; to 0.4
+        // s.
         ("\"force.0.params.a\" = 5", [0.1 + 0.2 + 0.5 + 0.7, 0.1 + 0.9]),
         ("\"force.0.params\" = { a = 5, b = 4 }", [0.1 + 0.2 + 0.5 + 0.7, 0.1 + 0.3 + 0.8]),
-        // Another value leaves the parameters as they were changed.
+        // Another value does not reset the changed parameters.
         ("\"force.0.duration\" = 9", [0.1 + 0.2 + 0.2 + 0.7, 0.1 + 0.9]),
     ] {
         let events = format!(
@@ -125,9 +125,9 @@ fn forces_are_functions_of_time_and_state() {
     let body = Body::new([0.1, 0.1, 0.05], 2.0);
     let force = "return { { link = \"block\", force = { x, 0, 0 } } }";
     for (script, expected) in [
-        // A counter among the locals: detected by evaluating twice.
+        // A counter in a local variable: detected by evaluating twice.
         (format!("local x = 0\nfunction run()\nx += 1\n{force} end"), "s.luau: `run` returned different forces"),
-        // Globals stand still, at the line.
+        // Globals are read-only; the error has their line.
         (format!("x = 0\nfunction run()\nx += 1\n{force} end"), "s.luau:3: attempt to modify a readonly table"),
         (format!("function run()\nlocal x = random()\n{force} end"), "s.luau:2: random numbers are drawn at load"),
         (
@@ -141,7 +141,7 @@ fn forces_are_functions_of_time_and_state() {
         assert!(message.starts_with(expected), "{script}\n{message}");
         assert!(message.ends_with(" s"), "with its time: {message}");
     }
-    // Drawn before it acts, a number is a constant.
+    // A number drawn before the force acts is a constant.
     let script = format!("local x\nfunction init() x = random() end\nfunction run() {force} end");
     let text = format!("duration = 0.1\n{}", floating(&body, "position = [0, 0, 1]", FORCE));
     assert_eq!(ScriptedRun::new(&text, &script).end(&mut NullObserver).0, Outcome::Passed);
@@ -184,7 +184,7 @@ fn tables_in_globals_are_read_only() {
         let (outcome, message) = ends(&format!("{first}\nfunction run()\n{body}\nend"));
         assert!(outcome == Outcome::Error && message.contains(expected), "{body}: {message}");
     }
-    // `init` and `change` may write; tables that the script itself froze stay frozen.
+    // `init` and `change` may write; tables frozen by the script itself stay frozen.
     let script = "memory = { n = 0 } own = table.freeze({})
         function init() memory.n = 5 assert(table.isfrozen(own)) end
         function run() assert(memory.n == 5 and table.isfrozen(own)) return {} end";
@@ -192,7 +192,7 @@ fn tables_in_globals_are_read_only() {
 }
 
 #[test]
-fn scripts_read_the_present_gravity() {
+fn scripts_read_the_current_gravity() {
     let event = format!("{FORCE}[[event]]\nat = 0.03\nset = {{ gravity = [0, 0, -1.62] }}\n");
     let script = "function run(robot)
             local g = robot.gravity[3]

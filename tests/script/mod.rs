@@ -1,4 +1,4 @@
-//! Scripts: what they see, what they do, and what they cannot do.
+//! Scripts: their inputs, their effects, and their limits.
 
 mod abuse;
 mod files;
@@ -36,18 +36,18 @@ impl ScriptedRun {
         self.build().unwrap_or_else(|e| panic!("{e}"))
     }
 
-    /// How the run ends.
+    /// Outcome of the run.
     fn end(&self, observer: &mut dyn Observer) -> (Outcome, String) {
         self.simulation().run(observer, &AtomicBool::new(false))
     }
 }
 
-/// Path of a robot of the tree.
+/// Path of a robot of the repository.
 fn robot(path: &str) -> String {
     format!("{}/robots/{path}", env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The double pendulum of the tree, hanging from its fixed base, driven as `drive` says.
+/// The double pendulum of the repository, hanging from its fixed base, driven as `drive` says.
 fn pendulum(duration: f64, drive: &str, rest: &str) -> String {
     format!(
         "duration = {duration:?}
@@ -61,7 +61,7 @@ fn pendulum(duration: f64, drive: &str, rest: &str) -> String {
 const TASK: &str = "[[task]]\ntype = \"script\"\nfile = \"s.luau\"\n";
 const FORCE: &str = "[[force]]\ntype = \"script\"\nfile = \"s.luau\"\n";
 
-/// Runs to the end, which it must reach.
+/// Runs to the end and asserts that the run passes.
 fn passes(scenario: &str, script: &str) -> Simulation {
     let mut sim = ScriptedRun::new(scenario, script).simulation();
     let (outcome, message) = sim.run(&mut NullObserver, &AtomicBool::new(false));

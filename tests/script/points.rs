@@ -1,28 +1,28 @@
-//! Points that tasks show.
+//! Points that tasks display.
 
 use super::{FORCE, ScriptedRun, TASK, pendulum};
 use nalgebra::Vector3;
 use stiction::sim::{Observer, Outcome, SimEvent, Snapshot};
 
-/// Keeps the points of every snapshot.
+/// Collects the points of every snapshot.
 #[derive(Default)]
 struct Shown(Vec<(f64, Vec<Option<Vector3<f64>>>)>);
 
 impl Observer for Shown {
-    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String> {
+    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), stiction::sim::ObserverError> {
         let names: Vec<_> = snapshot.points.iter().map(|p| p.name.as_str()).collect();
         assert_eq!(names, ["goal", "now and then"]);
         self.0.push((snapshot.time, snapshot.points.iter().map(|p| p.position).collect()));
         Ok(())
     }
 
-    fn event(&mut self, _: &SimEvent) -> Result<(), String> {
+    fn event(&mut self, _: &SimEvent) -> Result<(), stiction::sim::ObserverError> {
         Ok(())
     }
 }
 
 #[test]
-fn points_are_where_the_task_says_while_it_runs() {
+fn points_are_at_the_positions_set_by_a_running_task() {
     let script = "
         points = { \"goal\", \"now and then\" }
         function run(robot)
@@ -48,7 +48,7 @@ fn points_are_where_the_task_says_while_it_runs() {
 
 #[test]
 fn errors_carry_their_line() {
-    let recorded = |points: &str, call: &str| {
+    let error = |points: &str, call: &str| {
         let script = format!("points = {points}\nfunction run(robot)\n    robot.set_point({call})\nend\n");
         let (outcome, message) =
             ScriptedRun::new(&pendulum(0.1, "mode = \"passive\"", TASK), &script).end(&mut stiction::sim::NullObserver);
@@ -56,12 +56,12 @@ fn errors_carry_their_line() {
         assert!(message.contains("s.luau:3: "), "{message}");
         message
     };
-    assert!(recorded("{ \"a\" }", "\"b\", { 0, 0, 0 }").contains("the list `points` has no \"b\""));
-    assert!(recorded("{ \"a\" }", "nil, { 0, 0, 0 }").contains("the list `points` has no nil"));
-    assert!(recorded("{ \"a\" }", "\"a\", { 0, 0 }").contains("a point is {x, y, z}"));
-    assert!(recorded("{ \"a\" }", "\"a\", 1").contains("a point is {x, y, z}"));
-    assert!(recorded("{ \"a\" }", "\"a\", { 0, 0, 0 / 0 }").contains("a coordinate must be a finite number"));
-    assert!(recorded("{ \"a\" }", "\"a\", { 0, 0, \"x\" }").contains("a coordinate must be a number"));
+    assert!(error("{ \"a\" }", "\"b\", { 0, 0, 0 }").contains("the list `points` has no \"b\""));
+    assert!(error("{ \"a\" }", "nil, { 0, 0, 0 }").contains("the list `points` has no nil"));
+    assert!(error("{ \"a\" }", "\"a\", { 0, 0 }").contains("a point is {x, y, z}"));
+    assert!(error("{ \"a\" }", "\"a\", 1").contains("a point is {x, y, z}"));
+    assert!(error("{ \"a\" }", "\"a\", { 0, 0, 0 / 0 }").contains("a coordinate must be a finite number"));
+    assert!(error("{ \"a\" }", "\"a\", { 0, 0, \"x\" }").contains("a coordinate must be a number"));
 }
 
 #[test]
@@ -75,5 +75,5 @@ fn invalid_points_are_refused_before_the_run() {
     let expected = refused(TASK, "points = 1\nfunction run() end");
     assert!(expected.contains("`points` must be a list of strings"), "{expected}");
     let force = refused(FORCE, "points = { \"a\" }\nfunction run() return {} end");
-    assert!(force.contains("shown by tasks"), "{force}");
+    assert!(force.contains("only tasks show points"), "{force}");
 }

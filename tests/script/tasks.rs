@@ -1,11 +1,11 @@
-//! Tasks in Luau: what they see and command.
+//! Tasks in Luau: their data and commands.
 
 use super::{ScriptedRun, TASK, passes, pendulum, robot};
 use crate::analytic::support::Recording;
 use std::sync::atomic::AtomicBool;
 use stiction::sim::{NullObserver, Outcome};
 
-/// `posture` once more.
+/// `posture`, reimplemented in Luau.
 const POSTURE: &str = "
 local start, from, goal, duration = 0, {}, {}, 0
 
@@ -37,7 +37,7 @@ end
 ";
 
 #[test]
-fn a_posture_written_in_luau_moves_as_the_built_in_one() {
+fn a_posture_task_in_luau_moves_like_the_built_in_one() {
     let scenario = |kind: &str| {
         let hoap2 = robot("hoap2/hoap2.toml");
         let joints = "joints = { left_knee = 0.9, right_knee = 0.9, waist_pitch = 0.1 }";
@@ -50,7 +50,7 @@ fn a_posture_written_in_luau_moves_as_the_built_in_one() {
     let (native, script) = (passes(&scenario("posture"), POSTURE), passes(&scenario("script"), POSTURE));
     let (a, b) = (&native.plant().state, &script.plant().state);
     let gap = a.joints.iter().zip(&b.joints).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    // The same formulas: rounding, and what the integrator's steps make of it.
+    // The same formulas: the difference is rounding, amplified by the integrator's steps.
     assert!(gap < 1e-12, "{gap}");
     assert!((b.joints[native.plant().model.joint("left_knee").expect("a joint").0] - 0.9).abs() < 0.05, "it moved");
 }
@@ -70,7 +70,7 @@ fn efforts_against_gravity_hold_a_pendulum_still() {
         end";
     let sim = passes(&pendulum(0.5, "mode = \"passive\"", TASK), script);
     let state = &sim.plant().state;
-    // Held in equilibrium; it is unstable in no direction, and the effort is right to rounding.
+    // In equilibrium; no direction is unstable, and the effort is exact to rounding.
     assert!((state.joints[0] - 0.4).abs() < 1e-12 && (state.joints[1] - 0.3).abs() < 1e-12, "{state:?}");
     let free = passes(&pendulum(0.5, "mode = \"passive\"", TASK), "function run() end");
     assert!((free.plant().state.joints[0] - 0.4).abs() > 0.1, "without it falls");
@@ -78,8 +78,7 @@ fn efforts_against_gravity_hold_a_pendulum_still() {
 
 #[test]
 fn data_of_a_script_task_are_consistent() {
-    // Everything there is, checked against each other by the script itself while the robot falls
-    // over.
+    // The script itself checks all data against each other while the robot falls over.
     let script = "
         needs = { \"com\", \"com_jacobian\", \"com_jacobian_base\", \"mass_matrix\", \"bias\", \"gravity_effort\", \"soles\",
                   \"sole_jacobians\", \"vertex_jacobians\", \"end_effectors\", \"loads\", \"contacts\", \"zmp\", \"support\",
@@ -227,7 +226,7 @@ fn a_task_may_end_before_it_runs() {
     let text = pendulum(0.1, "mode = \"position\"", &format!("{TASK}duration = 0.05"));
     let script = "function init() return \"done\" end function run() error(\"not called\") end";
     assert_eq!(ScriptedRun::new(&text, script).end(&mut NullObserver).0, Outcome::Passed);
-    // And at the latest when its time is over.
+    // It ends at the latest when its duration is over.
     let script = "function run(robot) assert(robot.time < 0.05) end";
     assert_eq!(ScriptedRun::new(&text, script).end(&mut NullObserver).0, Outcome::Passed);
 }

@@ -1,4 +1,7 @@
-//! The rooms of `src/` import each other only as the table "Rooms" of `docs/development.md` says.
+//! Tests that the rooms of `src/` import each other only as in the table "Rooms" of
+//! `docs/development.md`. A room is a top-level module.
+
+mod file_cycles;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -11,11 +14,11 @@ fn source() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
 }
 
-/// Rooms: the folders of `src/` and its files but for the two crate roots.
+/// Rooms: folders and files of `src/`, except for the two crate roots.
 fn rooms() -> BTreeSet<String> {
     let entries = fs::read_dir(source()).unwrap().map(|entry| entry.unwrap().path());
-    // Version control leaves empty folders behind.
-    let holds_code = |path: &PathBuf| {
+    // Version control may leave empty folders.
+    let has_code = |path: &PathBuf| {
         let mut files = Vec::new();
         if path.is_dir() {
             rust_files(path, &mut files)
@@ -25,7 +28,7 @@ fn rooms() -> BTreeSet<String> {
         !files.is_empty()
     };
     let stem = |path: PathBuf| path.file_stem().unwrap().to_str().unwrap().to_owned();
-    entries.filter(holds_code).map(stem).filter(|name| name != "lib" && name != "main").collect()
+    entries.filter(has_code).map(stem).filter(|name| name != "lib" && name != "main").collect()
 }
 
 fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -39,8 +42,8 @@ fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Names of rooms in a text that begins behind `crate::` or `stiction::`: one, or several in braces.
-fn named(text: &str) -> Vec<&str> {
+/// Names of rooms in the text after `crate::` or `stiction::`: one, or several in braces.
+fn imported_names(text: &str) -> Vec<&str> {
     let name = |text: &str| text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len());
     let Some(inside) = text.strip_prefix('{') else { return vec![&text[..name(text)]] };
     let (mut depth, mut start, mut names) = (0, 0, Vec::new());
@@ -63,7 +66,7 @@ fn named(text: &str) -> Vec<&str> {
     names
 }
 
-/// What each room imports, unit tests and comments left out.
+/// Imports of each room, without unit tests and comments.
 fn imports() -> Imports {
     let mut imports = Imports::new();
     let rooms = rooms();
@@ -73,7 +76,7 @@ fn imports() -> Imports {
             folder if folder.is_dir() => rust_files(&folder, &mut files),
             file => files.push(file.with_extension("rs")),
         }
-        let of_room = imports.entry(room.clone()).or_default();
+        let room_imports = imports.entry(room.clone()).or_default();
         for file in files {
             let text = fs::read_to_string(&file).unwrap();
             let code = text.split("\nmod tests {").next().unwrap();
@@ -84,8 +87,8 @@ fn imports() -> Imports {
                     if code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':') {
                         continue;
                     }
-                    let names = named(&code[at + root.len()..]).into_iter();
-                    of_room.extend(names.filter(|name| rooms.contains(*name) && *name != room).map(str::to_owned));
+                    let names = imported_names(&code[at + root.len()..]).into_iter();
+                    room_imports.extend(names.filter(|name| rooms.contains(*name) && *name != room).map(str::to_owned));
                 }
             }
         }
@@ -110,45 +113,88 @@ fn table() -> Imports {
 }
 
 #[test]
-fn rooms_import_each_other_as_the_table_says() {
+fn imports_between_rooms_match_the_table() {
     let (table, imports) = (table(), imports());
-    let mut wrong = Vec::new();
+    let mut errors = Vec::new();
     for (room, found) in &imports {
         let Some(listed) = table.get(room) else {
-            wrong.push(format!("`{room}` is not in the table; it imports {found:?}"));
+            errors.push(format!("`{room}` is not in the table; it imports {found:?}"));
             continue;
         };
-        wrong.extend(
+        errors.extend(
             found.difference(listed).map(|other| format!("`{room}` imports `{other}`, which the table does not list")),
         );
-        wrong.extend(
+        errors.extend(
             listed.difference(found).map(|other| format!("`{room}` does not import `{other}`, which the table lists")),
         );
     }
-    wrong.extend(
+    errors.extend(
         table.keys().filter(|room| !imports.contains_key(*room)).map(|room| format!("there is no room `{room}`")),
     );
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(errors.is_empty(), "{}", errors.join("\n"));
 }
 
-/// Removes rooms that import nothing that is left until none can be removed; what is left lies on cycles or leads to one.
+/// The module comment of a room: its `mod.rs`, or its file.
+fn module_comment(room: &str) -> String {
+    let folder = source().join(room);
+    let file = if folder.is_dir() { folder.join("mod.rs") } else { folder.with_extension("rs") };
+    let text = fs::read_to_string(file).unwrap();
+    let lines: Vec<&str> = text.lines().map_while(|line| line.strip_prefix("//!")).map(str::trim).collect();
+    lines.join(" ")
+}
+
+/// Names in backticks.
+fn quoted_names(text: &str) -> BTreeSet<String> {
+    text.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+#[test]
+fn module_comments_name_imports_and_users() {
+    let imports = imports();
+    let mut errors = Vec::new();
+    for (room, listed) in &imports {
+        let users: BTreeSet<String> =
+            imports.iter().filter(|(_, to)| to.contains(room)).map(|(user, _)| user.clone()).collect();
+        let comment = module_comment(room);
+        let Some((_, sentences)) = comment.rsplit_once("Imports: ") else {
+            errors.push(format!("`{room}`: no sentence `Imports: ...`"));
+            continue;
+        };
+        let Some((first, second)) = sentences.split_once(". Used by: ") else {
+            errors.push(format!("`{room}`: no sentence `Used by: ...`"));
+            continue;
+        };
+        for (sentence, names, expected) in [("Imports", first, listed), ("Used by", second, &users)] {
+            let names = quoted_names(names);
+            if names != *expected {
+                errors.push(format!("`{room}`: {sentence}: found {names:?}, expected {expected:?}"));
+            }
+        }
+    }
+    assert!(errors.is_empty(), "{}", errors.join("\n"));
+}
+
+/// Repeatedly removes rooms without remaining imports. The remaining rooms are on a cycle or import
+/// one.
 #[test]
 fn rooms_have_no_cycle() {
-    let mut left = imports();
+    let mut remaining = imports();
     loop {
-        let free: Vec<String> = left.iter().filter(|(_, to)| to.is_empty()).map(|(room, _)| room.clone()).collect();
+        let free: Vec<String> =
+            remaining.iter().filter(|(_, to)| to.is_empty()).map(|(room, _)| room.clone()).collect();
         if free.is_empty() {
             break;
         }
-        left.retain(|room, _| !free.contains(room));
-        for to in left.values_mut() {
+        remaining.retain(|room, _| !free.contains(room));
+        for to in remaining.values_mut() {
             to.retain(|room| !free.contains(room));
         }
     }
-    assert!(left.is_empty(), "rooms on or above a cycle of imports: {left:#?}");
+    assert!(remaining.is_empty(), "rooms on or above a cycle of imports: {remaining:#?}");
 }
 
-/// Paths of this tree in a page: in backticks or as targets of links, placeholders in capitals left out.
+/// Paths of this repository in a page: in backticks or as link targets, without placeholders in
+/// capitals.
 fn named_paths(page: &str) -> Vec<&str> {
     const ROOTS: [&str; 3] = ["src/", "tests/", "docs/"];
     let pieces = page.split(['`', '(', ')', ' ', ',', '\n', '"', '|', ';']);
@@ -183,7 +229,7 @@ fn paths_in_the_docs_exist() {
 
 #[test]
 fn imports_are_found_in_braces_and_in_paths() {
-    assert_eq!(named("robot::Model;"), ["robot"]);
-    assert_eq!(named("{robot::{Model, Joint}, sim, contact::model as m};"), ["robot", "sim", "contact"]);
+    assert_eq!(imported_names("robot::Model;"), ["robot"]);
+    assert_eq!(imported_names("{robot::{Model, Joint}, sim, contact::model as m};"), ["robot", "sim", "contact"]);
     assert!(imports()["sim"].contains("dynamics"));
 }

@@ -1,17 +1,19 @@
-//! Programs of Slurm's names. Each notes its arguments, one to a line and an empty line after the last, in `calls`. Files in
-//! the folder say how they behave, so that a test changes that by writing a file.
+//! A fake Slurm: shell scripts with the names of its programs. Each appends its arguments to
+//! `calls`, one per line, with an empty line after the last. Files in the folder control how they
+//! behave.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+/// Folder of the fake programs.
 pub struct Slurm {
     folder: PathBuf,
 }
 
-/// Notes how it was called. `$here` is the folder.
-const NOTE: &str = r#"#!/bin/sh
+/// Records the call. `$here` is the folder.
+const RECORD: &str = r#"#!/bin/sh
 here=$(dirname "$0")/..
 { basename "$0"; printf '%s\n' "$@"; echo; } >>"$here/calls"
 "#;
@@ -24,24 +26,24 @@ fi
 printf 'Configuration data as of now\nMaxArraySize            = 1001\nMaxJobCount             = 10000\n'
 "#;
 
-/// Without `--wait` it tells the number and is done. With the file `run` it runs what it is given: array tasks one after the
-/// other, in the folder that the script names, with Slurm's variables; the number of a job counts up.
+/// Prints the next job number. With the file `run` it also runs the script: array tasks one after
+/// the other, in the script's folder, with Slurm's variables.
 const SBATCH: &str = r##"
 for script; do :; done
 case " $* " in
 *" --test-only "*)
-    [ ! -e "$here/refuses" ] || { echo "sbatch: error: Batch job submission failed: $(cat "$here/refuses")" >&2; exit 1; }
+    [ ! -e "$here/rejects" ] || { echo "sbatch: error: Batch job submission failed: $(cat "$here/rejects")" >&2; exit 1; }
     echo "sbatch: Job 1 to start at 2026-01-01T00:00:00 using 1 processors on nodes n in partition all" >&2
     exit 0 ;;
 *" --dependency="*)
-    [ ! -e "$here/refuses-merge" ] || { echo "sbatch: error: Batch job submission failed: Job dependency problem" >&2; exit 1; } ;;
+    [ ! -e "$here/rejects-merge" ] || { echo "sbatch: error: Batch job submission failed: Job dependency problem" >&2; exit 1; } ;;
 esac
 id=$(($(cat "$here/last" 2>/dev/null || echo 40) + 1))
 echo "$id" >"$here/last"
 echo "$id;one"
 [ -e "$here/run" ] || exit 0
 export SLURM_JOB_ID="$id" SLURM_CPUS_PER_TASK=1
-# The value of an #SBATCH option: quotes and backslashes are Slurm's, as seen with the real one.
+# The value of an #SBATCH option: quotes and backslashes as observed with the real Slurm.
 option() { sed -n "s/^#SBATCH --$1=//p" "$script" | tail -n 1; }
 plain() { sed -e 's/^"//' -e 's/"$//' -e 's/\\\(.\)/\1/g'; }
 cd "$(option chdir | plain)" || exit 99
@@ -77,7 +79,7 @@ impl Slurm {
         fs::create_dir_all(slurm.programs()).unwrap();
         for (name, body) in [("scontrol", SCONTROL), ("sbatch", SBATCH), ("squeue", SQUEUE), ("scancel", SCANCEL)] {
             let path = slurm.programs().join(name);
-            fs::write(&path, format!("{NOTE}{body}")).unwrap();
+            fs::write(&path, format!("{RECORD}{body}")).unwrap();
             fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
         }
         slurm
@@ -87,18 +89,19 @@ impl Slurm {
         self.folder.join("bin")
     }
 
+    /// Puts the programs first on PATH.
     pub fn put_on_path(&self, command: &mut Command) {
         let path = std::env::var("PATH").unwrap();
         command.env("PATH", format!("{}:{path}", self.programs().display()));
     }
 
-    /// Takes one of its programs away. No other of this name may be on PATH: only what the scripts need is left there.
+    /// Removes a program. No other program of this name may be on PATH.
     pub fn without(&self, name: &str) -> &Self {
         fs::remove_file(self.programs().join(name)).unwrap();
         self
     }
 
-    /// Says how it behaves.
+    /// Writes a file that controls the programs.
     pub fn set(&self, name: &str, text: &str) -> &Self {
         fs::write(self.folder.join(name), text).unwrap();
         self
@@ -109,20 +112,20 @@ impl Slurm {
         self
     }
 
-    /// Calls so far, each with the program's name first.
+    /// Recorded calls, each with the program's name first.
     pub fn calls(&self) -> Vec<Vec<String>> {
         let text = fs::read_to_string(self.folder.join("calls")).unwrap_or_default();
         let calls = text.split("\n\n").filter(|call| !call.is_empty());
         calls.map(|call| call.lines().map(str::to_owned).collect()).collect()
     }
 
-    /// Names of the programs that were called, in order.
+    /// Names of the called programs, in order.
     pub fn called(&self) -> Vec<String> {
         self.calls().into_iter().map(|call| call[0].clone()).collect()
     }
 
-    /// Forgets the calls.
-    pub fn forget(&self) {
+    /// Deletes the recorded calls.
+    pub fn clear_calls(&self) {
         let _ = fs::remove_file(self.folder.join("calls"));
     }
 }

@@ -1,12 +1,13 @@
-//! A folder that holds something already.
+//! Tests of submissions into folders that already contain jobs or results.
 
 use super::{Site, exists, submit};
 
+/// Asserts that a submission is refused because of other results in the folder.
 #[track_caller]
-fn other(site: &Site, parts: &str, more: &[&str], words: &str) {
-    site.slurm.forget();
+fn refused(site: &Site, parts: &str, more: &[&str], text: &str) {
+    site.slurm.clear_calls();
     let done = site.runner(&submit("sweep", parts, more)).exits(2);
-    assert!(done.stderr.contains(words), "{}", done.stderr);
+    assert!(done.stderr.contains(text), "{}", done.stderr);
     assert!(done.stderr.contains("give this sweep another folder with -o"), "{}", done.stderr);
     assert!(site.slurm.calls().is_empty(), "{:?}", site.slurm.calls());
 }
@@ -17,7 +18,7 @@ fn another_plan_or_number_of_parts_is_refused() {
     site.runner(&submit("sweep", "3", &["thrown.toml"])).exits(0);
     let scripts = site.script("sweep", "array.sbatch");
     let (set, filter) = (["thrown.toml", "--set", "gravity=[0, 0, -9.8]"], ["thrown.toml", "--filter", "seed == 1"]);
-    // By what was submitted, then by the parts that are there.
+    // First known from jobs.json, then from the parts only.
     for of in ["submitted", "part-1"] {
         if of == "part-1" {
             site.slurm.set("run", "");
@@ -26,11 +27,11 @@ fn another_plan_or_number_of_parts_is_refused() {
         }
         let number =
             if of == "part-1" { "its part-0 is part 1 of 3, not of 4" } else { "it was submitted in 3 parts, not 4" };
-        other(&site, "4", &["thrown.toml"], number);
-        other(&site, "3", &set, "scenarios, values, robots, files or --filter of what was submitted there differ");
-        other(&site, "3", &filter, "what was submitted there has 12 runs, this has 6");
-        // Not even with --dry-run.
-        other(&site, "4", &["thrown.toml", "--dry-run"], number);
+        refused(&site, "4", &["thrown.toml"], number);
+        refused(&site, "3", &set, "the submission there has other scenarios, values, robots, files or --filter");
+        refused(&site, "3", &filter, "the submission there has 12 runs, this one has 6");
+        // Also with --dry-run.
+        refused(&site, "4", &["thrown.toml", "--dry-run"], number);
     }
     assert_eq!(site.script("sweep", "array.sbatch"), scripts);
     site.slurm.unset("run");
@@ -42,7 +43,7 @@ fn jobs_that_have_not_ended_are_not_submitted_again() {
     let site = Site::new();
     site.runner(&submit("sweep", "3", &["thrown.toml"])).exits(0);
     site.slurm.set("alive", "41 RUNNING\n41 PENDING\n42 PENDING\n");
-    site.slurm.forget();
+    site.slurm.clear_calls();
     let done = site.runner(&submit("sweep", "3", &["thrown.toml"])).exits(2);
     assert!(done.stderr.contains("have not ended yet (41 pending, 41 running, 42 pending)"), "{}", done.stderr);
     assert!(done.stderr.contains("`scancel 41 42`"), "{}", done.stderr);
@@ -54,33 +55,32 @@ fn jobs_that_have_not_ended_are_not_submitted_again() {
 }
 
 #[test]
-fn results_of_something_else_are_left_alone() {
+fn other_results_are_refused() {
     let site = Site::new();
     site.place.runner(&["thrown.toml", "-o", "sweep/results"]).exits(1);
-    other(&site, "3", &["thrown.toml"], "it has a folder `results` that no earlier submission left");
+    refused(&site, "3", &["thrown.toml"], "it has a folder `results` that no earlier submission wrote");
     assert!(!exists(site.place.path("sweep/submit")));
-    // A batch's own folder, and a part's.
+    // The folder of a batch, and of a part.
     for (more, name) in [(&["-o", "batch"][..], "runs.jsonl"), (&["-o", "part", "--shard", "1/2"], "shard.jsonl")] {
         site.place.runner(&[&["thrown.toml"], more].concat()).exits(1);
         let done = site.runner(&submit(more[1], "3", &["thrown.toml"])).exits(2);
-        let told = format!("it is a folder of results: it has a {name}; give this sweep another folder with -o");
-        assert!(done.stderr.contains(&told), "{}", done.stderr);
+        let message = format!("it is a folder of results: it has a {name}; give this sweep another folder with -o");
+        assert!(done.stderr.contains(&message), "{}", done.stderr);
         assert!(!exists(site.place.path(more[1]).join("submit")));
     }
 }
 
-/// Neither scripts nor parts go where a link leads, and a pipe is not waited for.
+/// Does not follow symbolic links, and does not block on a pipe.
 #[cfg(unix)]
 #[test]
 fn links_and_pipes_in_the_folder_are_refused() {
-    for (name, words) in [("submit", "a symbolic link"), ("part-0", "a symbolic link"), ("results", "a symbolic link")]
-    {
+    for (name, text) in [("submit", "a symbolic link"), ("part-0", "a symbolic link"), ("results", "a symbolic link")] {
         let site = Site::new();
         std::fs::create_dir_all(site.place.path("sweep")).unwrap();
         std::fs::create_dir_all(site.place.path("away")).unwrap();
         std::os::unix::fs::symlink(site.place.path("away"), site.place.path("sweep").join(name)).unwrap();
         let done = site.runner(&submit("sweep", "3", &["thrown.toml"])).exits(2);
-        assert!(done.stderr.contains(words), "{name}: {}", done.stderr);
+        assert!(done.stderr.contains(text), "{name}: {}", done.stderr);
         assert_eq!(std::fs::read_dir(site.place.path("away")).unwrap().count(), 0);
     }
     let site = Site::new();

@@ -1,4 +1,4 @@
-//! What is submitted, and what comes of it.
+//! Tests of the submitted jobs and their results.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use super::{Site, exists, real, submit};
 use crate::same::{assert_same, files};
 
 #[test]
-fn jobs_run_what_one_batch_would_and_their_merge_has_its_bits() {
+fn merged_results_equal_those_of_one_batch() {
     let site = Site::new();
     let direct = site.place.runner(&["thrown.toml", "-o", "direct"]).exits(1);
     assert!(direct.stdout.contains("failed"), "{}", direct.stdout);
@@ -17,47 +17,47 @@ fn jobs_run_what_one_batch_would_and_their_merge_has_its_bits() {
     let records = |output: &str| files(&site.place.path(output)).iter().filter(|f| f.ends_with("run.json")).count();
     let parts: Vec<usize> = (0..3).map(|part| records(&format!("sweep/part-{part}"))).collect();
     assert_eq!(parts.iter().sum::<usize>(), 12, "{parts:?}");
-    assert!(parts.iter().all(|runs| *runs > 0), "every part had some: {parts:?}");
+    assert!(parts.iter().all(|runs| *runs > 0), "every part has runs: {parts:?}");
     for part in 0..3 {
-        let said = site.script("sweep", &format!("task-{part}.txt"));
-        assert!(said.contains(&format!("shard {}/3", part + 1)), "{said}");
+        let output = site.script("sweep", &format!("task-{part}.txt"));
+        assert!(output.contains(&format!("shard {}/3", part + 1)), "{output}");
     }
     assert!(site.script("sweep", "merge.txt").contains("12 runs: "), "{}", site.script("sweep", "merge.txt"));
 }
 
 #[test]
-fn a_part_that_was_lost_is_told_and_the_same_again_makes_it() {
+fn a_lost_part_is_reported_and_a_second_submission_runs_it() {
     let site = Site::new();
     site.place.runner(&["thrown.toml", "-o", "direct"]).exits(1);
     site.slurm.set("run", "").set("loses", "1");
     let arguments = submit("sweep", "3", &["thrown.toml", "--wait"]);
     let done = site.runner(&arguments).exits(2);
-    assert!(done.stderr.contains("sweep/submit/merge.txt says why"), "{}", done.stderr);
-    let said = site.script("sweep", "merge.txt");
-    assert!(said.contains("sweep/part-1: no such folder"), "{said}");
+    assert!(done.stderr.contains("sweep/submit/merge.txt"), "{}", done.stderr);
+    let output = site.script("sweep", "merge.txt");
+    assert!(output.contains("sweep/part-1: no such folder"), "{output}");
     assert!(!exists(site.place.path("sweep/results")));
     site.slurm.unset("loses");
     site.runner(&arguments).exits(1);
     assert_same(&site.place.path("direct"), &site.place.path("sweep/results"));
-    // What was done was not done again.
+    // Finished runs are not run again.
     assert!(site.script("sweep", "task-0.txt").contains("resumed: "), "{}", site.script("sweep", "task-0.txt"));
 }
 
 #[test]
-fn the_engine_is_asked_in_order_with_every_word_by_itself() {
+fn the_engine_is_called_in_order_with_separate_arguments() {
     let site = Site::new();
     let chosen = ["--cpus", "4", "--time", "2:00:00", "--partition", "long", "--account", "lab", "--mem", "2G"];
     let more = ["--sbatch=--qos=low", "--sbatch", "--constraint=avx2"];
     let run = ["--set", "gravty=[0, 0, -9.8]", "--filter", "seed == 1", "--no-log", "--timeout", "1.5", "--jobs", "3"];
-    let own: Vec<&str> = [&["thrown.toml", "--strict"][..], &chosen, &more, &run].concat();
-    let done = site.runner(&submit("sweep", "2", &own)).exits(2);
+    let options: Vec<&str> = [&["thrown.toml", "--strict"][..], &chosen, &more, &run].concat();
+    let done = site.runner(&submit("sweep", "2", &options)).exits(2);
     assert!(done.stderr.contains("gravty"), "{}", done.stderr);
-    assert!(site.slurm.calls().is_empty(), "nobody is asked about scenarios that are wrong");
-    let own: Vec<&str> = own.iter().map(|word| word.replace("gravty", "gravity").leak() as &str).collect();
-    let done = site.runner(&submit("sweep", "2", &own)).exits(0);
+    assert!(site.slurm.calls().is_empty(), "invalid scenarios need no cluster");
+    let options: Vec<&str> = options.iter().map(|word| word.replace("gravty", "gravity").leak() as &str).collect();
+    let done = site.runner(&submit("sweep", "2", &options)).exits(0);
     let script = |name: &str| real(site.place.path("sweep/submit")).join(name).display().to_string();
     let calls = site.slurm.calls();
-    let wanted: Vec<Vec<String>> = [
+    let expected: Vec<Vec<String>> = [
         vec!["scontrol", "show", "config"],
         vec!["sbatch", "--test-only", &script("array.sbatch")],
         vec!["sbatch", "--test-only", &script("merge.sbatch")],
@@ -67,7 +67,7 @@ fn the_engine_is_asked_in_order_with_every_word_by_itself() {
     .into_iter()
     .map(|call| call.into_iter().map(str::to_owned).collect())
     .collect();
-    assert_eq!(calls, wanted);
+    assert_eq!(calls, expected);
     assert!(done.stdout.contains("job array 41, then job 42"), "{}", done.stdout);
     let array = site.script("sweep", "array.sbatch");
     let folder = real(site.place.path("sweep")).display().to_string();
@@ -101,7 +101,7 @@ fn the_engine_is_asked_in_order_with_every_word_by_itself() {
     assert_eq!((&jobs["array"], &jobs["merge"]), (&"41".into(), &"42".into()));
     assert_eq!((&jobs["parts"], &jobs["runs"], &jobs["engine"]), (&2.into(), &6.into(), &"slurm".into()));
     assert!(jobs["command"].as_array().unwrap().contains(&"--filter=seed == 1".into()), "{jobs}");
-    // The plan is that of the parts.
+    // The hash of the plan is that of the parts.
     site.place
         .runner(&["thrown.toml", "--set=gravity=[0, 0, -9.8]", "--filter", "seed == 1", "--shard", "1/2"])
         .exits(1);
@@ -111,11 +111,11 @@ fn the_engine_is_asked_in_order_with_every_word_by_itself() {
 }
 
 #[test]
-fn names_that_mean_something_to_shells_are_only_names() {
+fn names_with_shell_syntax_are_quoted() {
     for name in ["a b", "it's", "say \"x\"", "$HOME `id` $(id)", "-x;y&z|*?", "%a 100%", "größe # ~"] {
         let site = Site::new();
         let at = |file: &str| format!("{name}/{file}");
-        // The whole tree under that name: scenario, robot, results.
+        // Scenario and results are in a folder of this name.
         let robot = site.place.path("block/block.toml");
         fs::create_dir_all(site.place.path(name)).unwrap();
         let text = fs::read_to_string(site.place.path("thrown.toml")).unwrap();
@@ -142,7 +142,7 @@ fn a_dry_run_needs_no_cluster_and_submits_nothing() {
     assert!(done.stdout.contains("sbatch --dependency=afterany:ARRAY "), "{}", done.stdout);
     assert!(site.script("sweep", "array.sbatch").contains("--array=0-1001"));
     assert!(!exists(site.place.path("sweep/submit/jobs.json")));
-    // Somebody may go on from there.
+    // The sweep can be submitted afterwards.
     site.slurm.unset("down");
     site.runner(&submit("sweep", "2", &["many.toml"])).exits(0);
 }

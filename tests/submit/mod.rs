@@ -1,5 +1,5 @@
-//! `runner submit` against a Slurm that is not there: programs of its names on PATH, which write down how they were called and,
-//! where a test wants that, run the jobs as Slurm would.
+//! `runner submit` with a fake Slurm on PATH, which records its calls and, if a test requests it,
+//! runs the jobs as Slurm would.
 
 mod fake;
 mod folder;
@@ -12,7 +12,7 @@ use crate::cli::{Done, Place};
 
 pub use fake::Slurm;
 
-/// Twelve runs of which four fail: their exit code must come through.
+/// Scenarios of twelve runs, of which four fail, so the exit code is not 0.
 pub fn scenarios() -> Place {
     let place = Place::new();
     place.block(
@@ -31,12 +31,12 @@ duration = [0.1, 0.12, 0.2]
     place
 }
 
-/// What a sweep is submitted with, but for scenarios.
+/// Arguments of a submission, followed by `more`.
 pub fn submit<'a>(output: &'a str, parts: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     [&["submit", "--engine", "slurm", "--parts", parts, "--output", output], more].concat()
 }
 
-/// A place and a Slurm in it.
+/// A folder with scenarios and a fake Slurm.
 pub struct Site {
     pub place: Place,
     pub slurm: Slurm,
@@ -56,7 +56,7 @@ impl Site {
         Done::from(command.output().unwrap())
     }
 
-    /// A script that was written.
+    /// A file of the folder `submit`.
     pub fn script(&self, output: &str, name: &str) -> String {
         std::fs::read_to_string(self.place.path(output).join("submit").join(name)).unwrap()
     }
@@ -66,7 +66,7 @@ impl Site {
     }
 }
 
-/// Is there a file or folder?
+/// Returns whether a file or folder exists.
 pub fn exists(path: impl AsRef<Path>) -> bool {
     path.as_ref().exists()
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use stiction::dynamics::body;
 use stiction::sim::NullObserver;
 
-/// Where HOAP-2's centre of mass ends, world, m.
+/// World position of HOAP-2's centre of mass at the end, m.
 fn end(task: &str) -> nalgebra::Vector3<f64> {
     let text = format!(
         "duration = 3\nrobot = {{ model = \"robots/hoap2/hoap2.toml\" }}\n[integrator]\nmethod = \"semi-implicit\"\n\
@@ -19,7 +19,7 @@ fn end(task: &str) -> nalgebra::Vector3<f64> {
 
 #[test]
 fn the_centre_of_mass_moves_over_the_point_of_optimal_stability() {
-    // Soles start with their ankles at x = -0.034, so their common rectangle has its middle at
+    // Soles start with their ankles at x = -0.034, so the middle of their common rectangle is at
     // -0.034 + 0.0112 (README of hoap2).
     let middle = -0.0228;
     let without = end("");
@@ -28,12 +28,12 @@ fn the_centre_of_mass_moves_over_the_point_of_optimal_stability() {
     let com = end(task);
     // The rest decays with 3 1/s for 2.7 s: 4 mm exp(-8.1) = 1.2 um, and some sway.
     assert!((com.x - middle).abs() < 1e-5 && com.y.abs() < 1e-5, "{com}");
-    // An offset moves it, whatever the servos' sag: here without any effort fed forward.
+    // An offset moves it, with any sag of the servos: here without feed-forward efforts.
     let task = task.replace("leaning = 3", "leaning = 0, integral = 4, feed_forward = false, offset = [0.01, -0.02]");
     let com = end(&task);
     assert!((com.x - middle - 0.01).abs() < 1e-4 && (com.y + 0.02).abs() < 1e-4, "{com}");
-    // So does one that comes later, from where the first has brought it; 1.2 s at 4 1/s leave 1 %
-    // of the 10 mm but for what the commanded posture has from the start.
+    // A later offset moves it too, from the position after the first. 1.2 s at 4 1/s leave 1 % of
+    // the 10 mm, apart from the initial error of the commanded posture.
     let task = format!(
         "{task}change = [{{ at = 1.5, position = {{ offset = [0.005, -0.01], approach = 0.3 }} }}, {{ at = 1.6, position = {{ integral = 6 }} }}]\n"
     );
@@ -61,7 +61,7 @@ fn planned_points_are_shown() {
         let (names, at, com, cop) = points(hoap2, task);
         assert_eq!(names, ["balance.com", "balance.zmp"]);
         let (expected, zmp) = (at[0].unwrap(), at[1].unwrap());
-        // At rest over the soles; what is left after 3 s is some tenths of a millimetre.
+        // At rest over the soles; after 3 s the error is some tenths of a millimetre.
         assert!((expected - com).norm() < 2e-3, "{task}: {expected} {com}");
         assert!((zmp - cop).norm() < 2e-3, "{task}: {zmp} {cop}");
     }
@@ -74,7 +74,7 @@ fn planned_points_are_shown() {
     assert!((at[3].unwrap() - cop).norm() < 5e-3, "{:?} {cop}", at[3]);
 }
 
-/// A robot of a person's size with default gains: it comes to rest instead of rocking.
+/// A robot of human size with default gains comes to rest instead of rocking.
 #[test]
 fn a_tall_robot_comes_to_rest() {
     let text = "duration = 6\nrobot = { model = \"robots/cbi/cbi.toml\" }\n[integrator]\nmethod = \"semi-implicit\"\n[log]\nrate = 0\n\
@@ -82,6 +82,6 @@ fn a_tall_robot_comes_to_rest() {
     let mut sim = simulation(text);
     let (_, message) = sim.run(&mut NullObserver, &AtomicBool::new(false));
     let speed = sim.metrics().final_base_velocity.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-    // What is left after some seconds decays with leaning, 1.2 1/s.
+    // The error after some seconds decays with leaning, 1.2 1/s.
     assert!(speed < 2e-3 && sim.metrics().state_changes < 50, "{speed} {} {message}", sim.metrics().state_changes);
 }

@@ -6,8 +6,8 @@ use stiction::task::gait::{Footsteps, Preview, Stride};
 
 #[test]
 fn the_riccati_solution_has_its_closed_form() {
-    // The input reaches the first state alone and the others decay at no cost, so that only p_00 =
-    // p is left of the equation: p = q + a^2 p r / (r + b^2 p), a quadratic in p.
+    // The input affects the first state alone and the others decay at no cost. Only p_00 = p
+    // remains of the equation: p = q + a^2 p r / (r + b^2 p), a quadratic in p.
     for (a, b, q, r) in [(1.0, 0.5, 2.0, 0.1), (1.3, 0.2, 1.0, 1e-3), (0.7, 1.0, 0.5, 10.0)] {
         let system = Matrix4::from_diagonal(&Vector4::new(a, 0.5, -0.2, 0.1));
         let cost = Matrix4::from_diagonal(&Vector4::new(q, 0.0, 0.0, 0.0));
@@ -18,7 +18,7 @@ fn the_riccati_solution_has_its_closed_form() {
         assert!((found.p[(0, 0)] - p).abs() < 1e-12 * p, "{} {p}", found.p[(0, 0)]);
         assert!(found.residual < 1e-13);
     }
-    // Unstable and out of the input's reach: nothing stabilises it.
+    // Unstable and not controllable: nothing stabilises it.
     let lost = Matrix4::from_diagonal(&Vector4::new(0.5, 2.0, 0.1, 0.1));
     assert_eq!(riccati::solve(&lost, &Vector4::x(), &Matrix4::identity(), 1.0), None);
 }
@@ -63,11 +63,11 @@ fn gains_agree_with_scipy() {
         let got = [found.integral, s[0], s[1], s[2], g[0], g[1], g[9], g[99], found.riccati.p[(1, 1)]];
         for (got, truth) in got.iter().zip(truth) {
             // SciPy's P misses the equation by 2e-14 and ours by less; the condition of some 1e4
-            // makes 1e-10 of it.
+            // makes this 1e-10.
             assert!((got - truth).abs() < 1e-8 * truth.abs(), "{got} {truth}");
         }
-        // A zero-moment point that never moves leaves the centre of mass above it: the gains of
-        // place cancel, but for what lies beyond the horizon, exp(-sqrt(g/h) horizon).
+        // A constant zero-moment point has the centre of mass above it: the position gains cancel,
+        // except for the part beyond the horizon, exp(-sqrt(g/h) horizon).
         let beyond = (-(9.81f64 / height).sqrt() * 320.0 * period).exp();
         let sum: f64 = s[0] + g.iter().sum::<f64>();
         assert!(sum.abs() < 10.0 * beyond * s[0] + 1e-9 * s[0], "{sum}");
@@ -84,10 +84,11 @@ fn footsteps(length: f64) -> Footsteps {
 }
 
 #[test]
-fn feet_land_where_and_when_the_plan_says() {
+fn feet_land_at_the_planned_positions_and_times() {
     let plan = footsteps(0.03);
     assert!((plan.duration() - (2.0 + 5.0 * 0.8 + 0.2)).abs() < 1e-12);
-    // Footfalls 1, 3, 5 of the right foot, 2 and 4 of the left; the last level with the other.
+    // Footfalls 1, 3, 5 of the right foot, 2 and 4 of the left; the last is level with the other
+    // foot.
     for (i, right, left) in
         [(0, 0.0, 0.0), (1, 0.03, 0.0), (2, 0.03, 0.06), (3, 0.09, 0.06), (4, 0.09, 0.12), (5, 0.12, 0.12)]
     {
@@ -98,7 +99,7 @@ fn feet_land_where_and_when_the_plan_says() {
             assert!(velocity.norm() < 1e-12);
         }
     }
-    // While a foot swings its landing is where it will be, otherwise where it is.
+    // During a swing the landing is the foot's next position, otherwise its current one.
     for foot in [0, 1] {
         assert_eq!(plan.landing(foot, 0.5), plan.sole(foot, 0.5).0);
         for i in 0..5 {
@@ -111,7 +112,7 @@ fn feet_land_where_and_when_the_plan_says() {
     let (place, velocity) = plan.sole(0, 1.8 + 0.2 + 0.3);
     assert!((place - Vector3::new(0.13, 0.04, 0.02)).norm() < 1e-12, "{place}");
     assert!((velocity - Vector3::new(0.06 / 0.6 * 15.0 / 8.0, 0.0, 0.0)).norm() < 1e-12, "{velocity}");
-    // Never two feet in the air, and velocities are derivatives.
+    // Never two feet in the air, and velocities are derivatives of positions.
     let h = 1e-6;
     for k in 0..620 {
         let t = 0.0051 + f64::from(k) * 0.01;
@@ -125,7 +126,7 @@ fn feet_land_where_and_when_the_plan_says() {
     }
 }
 
-/// What is planned of a long walk is the walk.
+/// The beginning of a longer plan equals the shorter plan.
 #[test]
 fn a_shorter_plan_agrees_with_a_longer_one() {
     let soles = [Vector3::new(0.1, 0.04, 0.0), Vector3::new(0.1, -0.04, 0.0)];
@@ -154,19 +155,19 @@ fn a_shorter_plan_agrees_with_a_longer_one() {
 fn swings_land_without_speed_or_acceleration() {
     let plan = footsteps(0.03);
     let land = 1.8;
-    // p = p1 + O(s^3): 5 ms before, of 0.6 s, (1/120)^3 (10 * 0.03 + 64 * 0.02) m is all that is
-    // left, 9e-7 m.
+    // p = p1 + O(s^3): 5 ms before the end, of 0.6 s, the rest is (1/120)^3 (10 * 0.03 + 64 * 0.02)
+    // m, 9e-7 m.
     let (place, velocity) = plan.sole(1, land - 0.005);
     let left = (place - plan.sole(1, land).0).norm();
     assert!(left < 1e-6 && velocity.norm() < 6e-4, "{left:e} {velocity}");
 }
 
 #[test]
-fn the_zero_moment_point_rests_under_the_standing_foot_and_is_followed() {
+fn the_zero_moment_point_is_under_the_stance_foot_and_is_followed() {
     let plan = footsteps(0.03);
     assert!((plan.zmp(0.5).y).abs() < 1e-12 && (plan.zmp(5.5) - plan.zmp(6.2)).norm() < 1e-12);
     for (i, side) in [(0, 0.04), (1, -0.04), (2, 0.04), (3, -0.04), (4, 0.04)] {
-        // Right swings first, so the left foot stands first.
+        // Right swings first, so the left foot is the first stance foot.
         let t = 1.0 + 0.8 * f64::from(i) + 0.5;
         let foot = usize::from(side < 0.0);
         assert!((plan.zmp(t) - plan.sole(foot, t).0.xy()).norm() < 1e-12, "step {i}");
@@ -176,13 +177,13 @@ fn the_zero_moment_point_rests_under_the_standing_foot_and_is_followed() {
     let reference: Vec<f64> = (0..1240).map(|k| plan.zmp(f64::from(k) * period).y).collect();
     let samples = preview.follow(&reference, reference.len());
     let off = samples.iter().zip(&reference).map(|(s, r)| (preview.zmp(&s.x) - r).abs()).fold(0.0, f64::max);
-    // The weight of the jerk leaves some 0.5 mm where the reference turns.
+    // The weight of the jerk leaves some 0.5 mm where the reference changes direction.
     assert!(off < 1e-3 && off > 0.0, "{off}");
     // In steady stepping the pendulum's closed form bounds the sway: less than the foot's 40 mm,
-    // more than half.
+    // more than half of it.
     let sway = samples.iter().map(|s| s.x[0].abs()).fold(0.0, f64::max);
     assert!(sway > 0.02 && sway < 0.04, "{sway}");
-    // The model itself: c'' = g/h (c - p) is what `zmp` inverts, and samples join.
+    // The model itself: c'' = g/h (c - p), which `zmp` inverts, and consecutive samples agree.
     for pair in samples.windows(2) {
         assert!((pair[0].at(period) - pair[1].x).norm() < 1e-9);
     }

@@ -1,12 +1,11 @@
-//! What tasks hand over to one another: modes, efforts, positions, and the instants at which they
-//! begin and end.
+//! Hand-over between tasks: modes, efforts, positions, and the instants of beginning and end.
 
 use super::super::motion::{Folder, robot_of};
 use stiction::assemble;
 use stiction::dynamics::State;
 use stiction::robot::DriveMode;
 use stiction::task::server::TickInput;
-use stiction::task::{Command, Sensed};
+use stiction::task::{Command, SensorReadings};
 
 const CBI: &str = "duration = 1.0
 robot = { model = \"ROBOTS/cbi/cbi.toml\", joint_default = { mode = \"position\", kp = 500, kd = 20 } }
@@ -24,8 +23,8 @@ fn ticks(folder: &Folder, text: &str, end: f64) -> (Commands, Vec<(String, f64)>
     let mut state = State::home(&setup.model);
     (state.position, state.rotation) = (setup.start.position, setup.start.rotation);
     state.joints.copy_from_slice(&setup.start.joints);
-    let sensed = Sensed::blank(&setup.model);
-    let (mut recorded, mut ended) = (Vec::new(), Vec::new());
+    let sensed = SensorReadings::blank(&setup.model);
+    let (mut commands, mut ended) = (Vec::new(), Vec::new());
     while let Some(time) = setup.tasks.next_tick().filter(|t| *t <= end + 1e-9) {
         state.time = time;
         let now = TickInput {
@@ -41,9 +40,9 @@ fn ticks(folder: &Folder, text: &str, end: f64) -> (Commands, Vec<(String, f64)>
             }
         };
         setup.tasks.run(&now, hear).unwrap_or_else(|e| panic!("{e}"));
-        recorded.push((time, setup.tasks.command.clone()));
+        commands.push((time, setup.tasks.command.clone()));
     }
-    (recorded, ended)
+    (commands, ended)
 }
 
 fn force(kind: &str, start: f64, duration: f64) -> String {
@@ -62,22 +61,22 @@ fn modes_and_efforts_are_restored_in_any_order() {
         format!("{}{}", compensate(0.03, 0.03), balance(0.0, 0.03)),
         format!("{}{}", compensate(0.0, 0.03), balance(0.03, 0.03)),
     ] {
-        let (recorded, _) = ticks(&folder, &format!("{CBI}{tasks}"), 1.0);
-        let own = &recorded.last().unwrap().1.mode;
+        let (commands, _) = ticks(&folder, &format!("{CBI}{tasks}"), 1.0);
+        let own = &commands.last().unwrap().1.mode;
         assert!(own.iter().filter(|m| **m == DriveMode::Position).count() > 20 && !own.contains(&DriveMode::Force));
-        for (time, command) in &recorded {
-            // Joints that are moved kinematically stay so.
+        for (time, command) in &commands {
+            // Kinematic joints stay kinematic.
             let lent = |m: &DriveMode| if *m == DriveMode::Position { DriveMode::Force } else { *m };
             let expected = own.iter().map(|m| if *time < 0.06 - 1e-9 { lent(m) } else { *m });
             assert!(command.mode.iter().copied().eq(expected), "{time}:\n{tasks}");
         }
-        let last = |before: f64| &recorded.iter().rev().find(|(t, _)| *t < before - 1e-9).unwrap().1;
-        let (first, end) = (&recorded.iter().find(|(t, _)| *t > 0.06 - 1e-9).unwrap().1, &recorded.last().unwrap().1);
-        // The efforts continue as feed-forward and decay: servos alone would let the robot sag.
+        let last = |before: f64| &commands.iter().rev().find(|(t, _)| *t < before - 1e-9).unwrap().1;
+        let (first, end) = (&commands.iter().find(|(t, _)| *t > 0.06 - 1e-9).unwrap().1, &commands.last().unwrap().1);
+        // The efforts continue as feed-forward and decay: with servos alone the robot would sag.
         assert_eq!(first.effort, last(0.06).effort, "{tasks}");
         assert!(first.effort.iter().any(|e| e.abs() > 1.0));
         assert!(end.effort.iter().all(|e| *e == 0.0), "{tasks}");
-        assert!((recorded.last().unwrap().0 - 0.56).abs() < 1e-9, "it ticks on until they have faded");
+        assert!((commands.last().unwrap().0 - 0.56).abs() < 1e-9, "it ticks on until they have faded");
     }
 }
 
@@ -85,13 +84,13 @@ fn modes_and_efforts_are_restored_in_any_order() {
 fn efforts_of_a_squat_decay_after_its_end() {
     let task = "[[task]]\ntype = \"squat\"\ndepth = 0.005\nperiod = 0.2\nsettle = 0.1\n";
     let follows = "[[task]]\ntype = \"posture\"\nstart = 0.3\njoints = { left_elbow = -0.5 }\n";
-    let (recorded, ended) = ticks(&Folder::with(&[]), &format!("{HOAP}{task}{follows}"), 1.5);
+    let (commands, ended) = ticks(&Folder::with(&[]), &format!("{HOAP}{task}{follows}"), 1.5);
     assert_eq!(ended[0].0, "squat");
     let most = |c: &Command| c.effort.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
-    let at = |time: f64| &recorded.iter().find(|(t, _)| (t - time).abs() < 1e-9).unwrap().1;
+    let at = |time: f64| &commands.iter().find(|(t, _)| (t - time).abs() < 1e-9).unwrap().1;
     assert!(most(at(0.3)) > 0.5 && most(at(0.8)) == 0.0, "{} {}", most(at(0.3)), most(at(0.8)));
-    // A quintic falls at most 15/8 of the mean: over 0.5 s and ticks of 1 ms.
-    for pair in recorded.windows(2).filter(|w| w[0].0 > 0.3 - 1e-9) {
+    // A quintic decreases by at most 15/8 of the mean: over 0.5 s and ticks of 1 ms.
+    for pair in commands.windows(2).filter(|w| w[0].0 > 0.3 - 1e-9) {
         let steps = pair[0].1.effort.iter().zip(&pair[1].1.effort).map(|(a, b)| (a - b).abs());
         assert!(steps.fold(0.0, f64::max) < 1.01 * 15.0 / 8.0 / 500.0 * most(at(0.3)), "{}", pair[0].0);
     }
@@ -105,26 +104,26 @@ robot = { model = \"ROBOTS/pendulum/pendulum.urdf\", posture = { shoulder = 0.3,
 fn an_earlier_task_resumes_a_joint_without_a_jump() {
     let tasks = "[[task]]\ntype = \"posture\"\nstart = 0.1\nduration = 0.7\njoints = { shoulder = -1.3, elbow = 6 }
         [[task]]\ntype = \"posture\"\nstart = 0.5\nduration = 0.2\njoints = { elbow = 0.5 }\n";
-    let (recorded, _) = ticks(&Folder::with(&[]), &format!("{PENDULUM}{tasks}"), 2.0);
-    // The later one gives the joint back at 0.7 s, some 5 rad from where the earlier one is. Both
-    // and the fade have speeds of at most 15/8 of 6.2 rad in 0.7 s, of 3 rad in 0.2 s and of 5.5
-    // rad in 0.5 s, with the difference of speeds in it.
+    let (commands, _) = ticks(&Folder::with(&[]), &format!("{PENDULUM}{tasks}"), 2.0);
+    // The later task releases the joint at 0.7 s, some 5 rad from the position of the earlier one.
+    // Both and the fade have speeds of at most 15/8 of 6.2 rad in 0.7 s, of 3 rad in 0.2 s and of
+    // 5.5 rad in 0.5 s, including the difference of speeds.
     let moving = |w: &&[(f64, Command)]| w[0].0 > 0.5 + 1e-9;
-    let steps = recorded.windows(2).filter(moving).map(|w| (w[1].1.position[1] - w[0].1.position[1]).abs());
+    let steps = commands.windows(2).filter(moving).map(|w| (w[1].1.position[1] - w[0].1.position[1]).abs());
     assert!(steps.clone().fold(0.0, f64::max) < 0.06, "{}", steps.fold(0.0, f64::max));
-    // Velocities belong to positions, through both ends.
-    for w in recorded.windows(3).filter(|w| w[0].0 > 0.503) {
+    // Velocities are consistent with positions, through both ends.
+    for w in commands.windows(3).filter(|w| w[0].0 > 0.503) {
         let slope = (w[2].1.position[1] - w[0].1.position[1]) / 2e-3;
         // Second differences of a path with accelerations of some 10 / 0.2^2 rad/s^2.
         assert!((slope - w[1].1.velocity[1]).abs() < 0.15, "{}: {slope} {}", w[1].0, w[1].1.velocity[1]);
     }
-    let (time, last) = recorded.last().unwrap();
+    let (time, last) = commands.last().unwrap();
     assert!((last.position[1] - 6.0).abs() < 1e-12 && last.velocity[1] == 0.0, "{time} {last:?}");
     assert!((time - 1.2).abs() < 1e-9, "{time}");
 }
 
 #[test]
-fn tasks_end_at_their_ends() {
+fn tasks_end_at_their_end_times() {
     let script = "function run() end";
     let folder = Folder::with(&[("s.luau", script), ("m.csv", "time,left_elbow\n0,0\n0.2,-0.1\n")]);
     let span = "start = 0.5\nduration = 0.2\n";
@@ -144,7 +143,7 @@ fn tasks_end_at_their_ends() {
     for task in tasks {
         let (_, ended) = ticks(&folder, &format!("{HOAP}[[task]]\n{task}"), 1.0);
         assert_eq!(ended.len(), 1, "{task}");
-        // 0.5 + 0.2 is not 0.7 to the last bit; the tick at 0.7 s is the end all the same.
+        // 0.5 + 0.2 is not 0.7 to the last bit; the tick at 0.7 s is still the end.
         assert!((ended[0].1 - 0.7).abs() < 1e-9, "{task}{ended:?}");
     }
 }
@@ -162,11 +161,11 @@ fn a_start_between_two_ticks_is_time_0() {
         ),
     ] {
         let text = format!("{PENDULUM}[control]\nrate = 100\n[[task]]\n{task}start = 0.5037\n");
-        let (recorded, _) = ticks(&folder, &text, 2.0);
-        assert!((recorded[0].0 - 0.51).abs() < 1e-12);
-        for (time, command) in recorded.iter().filter(|(t, _)| *t < 1.5) {
+        let (commands, _) = ticks(&folder, &text, 2.0);
+        assert!((commands[0].0 - 0.51).abs() < 1e-12);
+        for (time, command) in commands.iter().filter(|(t, _)| *t < 1.5) {
             let expected = -0.2 + path(time - 0.5037);
-            // Rounding, of the curve of least jerk too.
+            // Rounding, including the minimum-jerk curve.
             assert!((command.position[1] - expected).abs() < 1e-12, "{task}{time}: {} {expected}", command.position[1]);
         }
     }

@@ -16,20 +16,20 @@ fn joint(model: &Model, planned: &PlannedRobot, name: &str) -> f64 {
     planned.state.joints[model.joint(name).unwrap().0]
 }
 
-/// World place of a joint's origin.
+/// World position of a joint's origin.
 fn origin(model: &Model, planned: &PlannedRobot, name: &str) -> Vector3<f64> {
     let link = stiction::robot::LinkId(model.joint(name).unwrap().0 + 1);
     planned.ws.point(link, &Vector3::zeros())
 }
 
 #[test]
-fn the_legs_are_those_that_move_one_sole() {
+fn legs_are_the_limbs_that_move_one_sole() {
     let (model, _) = hoap2();
     let names = |joints: Vec<usize>| joints.iter().map(|&j| model.joints[j].name.clone()).collect::<Vec<_>>();
     let legs = names(planned_robot::leg_joints(&model));
     assert_eq!(legs.len(), 12);
     assert!(legs.iter().all(|n| ["hip", "knee", "ankle"].iter().any(|part| n.contains(part))), "{legs:?}");
-    // The waist carries both soles: no leg, but it carries.
+    // The waist carries both soles: it belongs to no leg, but it carries.
     let carrying = names(planned_robot::carrying_joints(&model));
     assert_eq!(carrying.len(), 13);
     assert!(carrying.contains(&"waist_pitch".to_owned()));
@@ -47,7 +47,7 @@ fn goals_are_met_and_the_knees_obey_the_law_of_cosines() {
         // A foot lifted and forward.
         goal.soles[0].translation.vector = start.soles[0].translation.vector + Vector3::new(-x, 0.0, -0.3 * z);
         inverse.solve(&model, &mut planned, &goal, &rest).unwrap();
-        // Newton stops below 1e-11; what is printed of the poses adds rounding of 1e-16.
+        // Newton stops below 1e-11; the compared poses add rounding of 1e-16.
         for s in 0..2 {
             let off = goal.soles[s].inv_mul(&planned.sole(s));
             assert!(off.translation.vector.norm() < 1e-9 && off.rotation.angle() < 1e-9, "{off}");
@@ -116,20 +116,20 @@ fn unreachable_goals_are_errors() {
     // Straight legs end 0.2 m above the ankles; the home posture is 12 mm below that.
     let mut high = planned.goal();
     high.com.z += 0.05;
-    let recorded = inverse.solve(&model, &mut planned.clone(), &high, &rest).unwrap_err();
-    assert!(matches!(recorded, Unreachable::TooFar { error } if error > 1e-3), "{recorded}");
-    // Far down, the ankles' 61 degrees are not enough.
+    let failure = inverse.solve(&model, &mut planned.clone(), &high, &rest).unwrap_err();
+    assert!(matches!(failure, Unreachable::TooFar { error } if error > 1e-3), "{failure}");
+    // At a very low height the ankles' 61 degrees are not enough.
     let mut low = planned.goal();
     low.com.z -= 0.11;
-    let recorded = inverse.solve(&model, &mut planned.clone(), &low, &rest).unwrap_err();
+    let failure = inverse.solve(&model, &mut planned.clone(), &low, &rest).unwrap_err();
     assert!(
-        matches!(&recorded, Unreachable::Limit { joint, .. } if joint.contains("ankle") || joint.contains("hip")),
-        "{recorded}"
+        matches!(&failure, Unreachable::Limit { joint, .. } if joint.contains("ankle") || joint.contains("hip")),
+        "{failure}"
     );
 }
 
 #[test]
-fn steps_keep_the_soles_and_stop_at_limits() {
+fn steps_do_not_move_the_soles_and_stop_at_limits() {
     let (model, mut planned) = hoap2();
     let mut mobility = vec![0.0; model.nj()];
     planned_robot::carrying_joints(&model).into_iter().for_each(|j| mobility[j] = 1.0);
@@ -144,12 +144,12 @@ fn steps_keep_the_soles_and_stop_at_limits() {
         v = planned.state.v[6 + model.joint("left_ankle_roll").unwrap().0];
     }
     let off = (0..2).map(|s| start.soles[s].inv_mul(&planned.sole(s)).translation.vector.norm()).fold(0.0, f64::max);
-    // One Newton step a call. The centre of mass moves by 2.24e-4 m over legs of 0.2 m, which turn
-    // by 1.1e-3 rad: what a step misses is half the square of that times 0.2 m, 1.3e-7 m, and the
-    // same once more that is left of the step before.
+    // One Newton step a call. The centre of mass moves by 2.24e-4 m over legs of 0.2 m, which
+    // rotate by 1.1e-3 rad. A step misses half the square of that times 0.2 m, 1.3e-7 m, and the
+    // same again remains of the previous step.
     assert!(off < 2.6e-7 && (planned.com() - goal.com).xy().norm() < 1e-6, "{off}");
     assert!(v.abs() > 0.01);
-    // Under an unlimited bow, joints stop at their limits.
+    // Under an unlimited bow command, joints stop at their limits.
     goal.com.x += 0.3;
     for _ in 0..200 {
         inverse.advance(&model, &mut planned, &goal, 1e-3);
@@ -182,10 +182,10 @@ fn feed_forward_efforts_do_the_work_of_gravity_and_motion() {
         let zmp: Vector2<f64> = Vector2::new(0.01, 0.015);
         feed_forward::efforts(&model, &mut planned, &gravity, &acceleration, &zmp, &mut efforts);
         let power: f64 = efforts.iter().zip(&v[6..]).map(|(t, q)| t * q).sum();
-        // Soles at rest take no power and the root does not turn, so that joints work against felt
-        // gravity alone, and what the floor's force lacks of equilibrium is none: sum f = -m (g -
-        // c''). Velocities are damped by 1e-14 over the least eigenvalue of J J^T, some 1e-4: a
-        // part of 1e-10.
+        // Soles at rest take no power and the root does not rotate, so joints work only against the
+        // apparent gravity, and the floor's force is in equilibrium: sum f = -m (g - c'').
+        // Velocities are damped by 1e-14 over the least eigenvalue of J J^T, some 1e-4: a relative
+        // 1e-10.
         let truth = -model.mass() * (gravity - acceleration).dot(&com);
         assert!((power - truth).abs() < 1e-9 * truth.abs().max(10.0), "{power} {truth}");
     }

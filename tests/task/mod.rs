@@ -1,5 +1,5 @@
-//! Tasks that plan: inverse kinematics, gait and balance by identities, closed forms and recorded
-//! values.
+//! Tasks that plan: inverse kinematics, gait and balance against identities, closed forms and
+//! recorded values.
 
 mod balance;
 mod gait;

@@ -1,4 +1,4 @@
-//! Validation scenarios as the tests see them: expanded runs with their boxes.
+//! Validation scenarios for the tests: expanded runs with their boxes.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use stiction::scenario::{self, BaseSpec, ForceSpec, PushForce, Run};
 use crate::analytic::body::G;
 use crate::analytic::support::root;
 
-/// The folder.
+/// The folder of validation scenarios.
 pub fn folder() -> PathBuf {
     root().join("scenarios/validation")
 }
@@ -29,7 +29,7 @@ pub fn files() -> Vec<(String, PathBuf)> {
 pub struct Case {
     /// The run.
     pub run: Run,
-    /// Its robot as in its own files.
+    /// Its robot, loaded from its own files.
     pub model: Model,
 }
 
@@ -88,12 +88,12 @@ impl Case {
         self.run.scenario.floor.friction.kinetic
     }
 
-    /// Where and how fast it starts.
+    /// Initial position and velocity.
     pub fn base(&self) -> &BaseSpec {
         &self.run.scenario.robot.base
     }
 
-    /// Height of a box's centre above its place on the floor at the start, m.
+    /// Initial height of a box's centre above its height on the floor, m.
     pub fn fall(&self) -> f64 {
         self.base().position.expect("it is dropped from somewhere")[2] - self.half()[2]
     }
@@ -103,7 +103,7 @@ impl Case {
         self.run.scenario.duration
     }
 
-    /// The one push.
+    /// The only push.
     pub fn push(&self) -> &PushForce {
         match self.run.scenario.force.as_slice() {
             [ForceSpec::Push(push)] => push,
@@ -121,7 +121,7 @@ fn the_boxes_are_homogeneous() {
         let [a, b, c] = half.map(|x| x * x * model.mass() / 3.0);
         let inertia = &model.links[0].inertia;
         for (i, truth) in [b + c, a + c, a + b].into_iter().enumerate() {
-            // Digits of the file.
+            // The file rounds to these digits.
             assert!((inertia[(i, i)] / truth - 1.0).abs() < 1e-15 * 8.0, "{name} {i} {inertia}");
         }
         assert!(model.links[0].com.norm() == 0.0 && inertia[(0, 1)] == 0.0);

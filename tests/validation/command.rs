@@ -1,4 +1,4 @@
-//! `runner scenarios/validation`, as one command.
+//! `runner scenarios/validation` as one command.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -16,7 +16,7 @@ fn lines(output: &Output) -> Vec<String> {
 }
 
 #[test]
-fn it_exits_0_and_prints_measured_wanted_and_error_per_case() {
+fn it_exits_0_and_prints_measured_expected_and_error_per_case() {
     let results = tempfile::tempdir().expect("a folder for results");
     let output = runner(&[&folder(), "-o".as_ref(), results.path(), "--verdicts".as_ref(), "values".as_ref()]);
     let messages = lines(&output);
@@ -24,7 +24,7 @@ fn it_exits_0_and_prints_measured_wanted_and_error_per_case() {
     let failed: Vec<_> = shown.iter().filter(|l| l.ends_with(" NO")).collect();
     assert_eq!(output.status.code(), Some(0), "{failed:#?}\n{}", String::from_utf8_lossy(&output.stderr));
     assert!(failed.is_empty());
-    // Every value that is expected of a run has its line, and every run has such a value.
+    // Every expected value of a run has its line, and every run has one.
     let log = std::fs::read_to_string(results.path().join("runs.jsonl")).expect("it is written");
     let (mut runs, mut values, mut all) = (0, 0, 0);
     for line in log.lines() {

@@ -11,7 +11,7 @@ use crate::analytic::body::G;
 use crate::analytic::pendulum;
 use crate::analytic::support::rk4;
 
-/// A box thrown from `position`; where its centre of mass is at the end.
+/// A box thrown from `position`; its centre of mass at the end.
 pub fn boxes(case: &Case, _: usize, metric: &str) -> Option<f64> {
     let (Some([x, y, z]), [vx, vy, vz], t) = (case.base().position, case.base().linear_velocity, case.duration())
     else {
@@ -49,7 +49,7 @@ fn the_drift_allowed_in_flight_is_a_small_part_of_the_angular_momentum() {
     }
 }
 
-/// The equations of [`pendulum`], seen through the centre of mass.
+/// The equations of [`pendulum`], for the centre of mass.
 pub fn double_pendulum(case: &Case, _: usize, metric: &str) -> Option<f64> {
     let robot = &case.run.scenario.robot;
     let (a, b) = (robot.posture["shoulder"], robot.posture["shoulder"] + robot.posture["elbow"]);

@@ -35,8 +35,8 @@ pub fn heights(case: &Case, _: usize, metric: &str) -> Option<f64> {
     }
 }
 
-/// `sqrt(2 h / g) (1 + e) / (1 - e)`, less what rebounds slower than `velocity_tolerance` would
-/// have added.
+/// `sqrt(2 h / g) (1 + e) / (1 - e)`, minus the contribution of rebounds slower than
+/// `velocity_tolerance`.
 pub fn rest(case: &Case, index: usize, metric: &str) -> Option<f64> {
     let (height, contact) = (case.fall(), &case.run.scenario.contact);
     let (e, fall) = (contact.restitution, (2.0 * height / G).sqrt());
@@ -47,7 +47,7 @@ pub fn rest(case: &Case, index: usize, metric: &str) -> Option<f64> {
         rebounds += 1;
         speed *= e;
     }
-    // The series that is left out begins with the first rebound that is too slow.
+    // The omitted series begins with the first rebound below the tolerance.
     assert!((ideal - last - 2.0 * speed / (G * (1.0 - e))).abs() < 1e-14);
     match (metric, index) {
         ("last_impact_s", 0) => Some(last),

@@ -1,8 +1,8 @@
-//! `scenarios/validation/`: contact against closed forms, as anyone can run it.
+//! `scenarios/validation/`: contact against closed forms, in scenarios that every user can run.
 //!
-//! Every value that a scenario expects is computed again here from its equation and the scenario's
-//! own numbers, by other means than those that made it (closed form, or the fixed-step integrator
-//! of the tests), and the program itself is run over the folder.
+//! These tests compute every expected value again from its equation and the scenario's own numbers.
+//! They use other means than the original computation: a closed form, or the fixed-step integrator
+//! of the tests. They also run the program over the folder.
 
 mod case;
 mod command;
@@ -18,11 +18,11 @@ use std::collections::BTreeSet;
 
 use case::{Case, cases, files};
 
-/// The truth of the expectation with this index and metric; `None` when the case knows none.
+/// The true value of the expectation with this index and metric; `None` if the case has none.
 type Truth = fn(&Case, usize, &str) -> Option<f64>;
 
-/// The rows of the table of analytic cases (the Painleve rod has its own scenario and tests), the
-/// scenarios of each, and the truth of what they expect.
+/// The rows of the table of analytic cases, the scenarios of each, and the true values of their
+/// expectations. The Painleve rod has its own scenario and tests.
 const ROWS: &[(&str, &[(&str, Truth)])] = &[
     ("free fall, then flat landing", &[("flat-landing", impact::landing)]),
     ("block slides and stops", &[("slide-and-stop", sliding::stop), ("feet-slide", sliding::stop)]),
@@ -66,10 +66,10 @@ const ROWS: &[(&str, &[(&str, Truth)])] = &[
     ),
 ];
 
-/// Scenarios of the folder that others prove.
+/// Scenarios of the folder that other tests prove.
 const ELSEWHERE: &[&str] = &["painleve", "patch", "forced"];
 
-/// Quantities that are zero wherever they are expected by value.
+/// Quantities that are zero wherever a scenario expects a value.
 const ZERO: &[&str] = &[
     "energy_error_J",
     "final_base_pitch",
@@ -110,7 +110,7 @@ fn every_expected_value_follows_from_its_equation() {
                 let Some(truth) = truth(&case, i, metric).or(zero) else {
                     panic!("{name}: nothing proves {metric} = {typed}");
                 };
-                // A typed number may use up a tenth of the tolerance that it is judged with.
+                // The rounding of a typed number may use a tenth of its tolerance.
                 let allowed = 0.1 * expect.allowed().expect("there is a value");
                 assert!((typed - truth).abs() <= allowed, "{name} {metric}: {typed} {truth} {}", case.run.index);
                 proved += 1;

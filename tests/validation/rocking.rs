@@ -15,8 +15,8 @@ struct Block {
 }
 
 impl Block {
-    /// Time to fall from rest at `tilt` until it lies flat: `phi = tilt - s^2` takes the root out
-    /// of the integrand, Simpson does the rest.
+    /// Time to fall from rest at `tilt` until the block is flat: `phi = tilt - s^2` removes the
+    /// root from the integrand, and Simpson's rule integrates.
     fn fall(&self, tilt: f64) -> f64 {
         let integrand = |s: f64| {
             let half = if s == 0.0 { 0.5 } else { (s * s / 2.0).sin() / (s * s) };
@@ -30,7 +30,7 @@ impl Block {
     }
 }
 
-/// See the module.
+/// See the module documentation.
 pub fn housner(case: &Case, _: usize, metric: &str) -> Option<f64> {
     let ([a, b, c], [roll, pitch, _]) = (case.half(), case.base().rpy);
     assert!((roll == 0.0) != (pitch == 0.0), "about one axis");

@@ -1,4 +1,4 @@
-//! Boxes that slide and turn on the floor.
+//! Boxes that slide and rotate on the floor.
 
 use super::case::Case;
 use crate::analytic::body::{Body, G};

@@ -1,9 +1,9 @@
-//! What holds: slopes, loads inside the cone, feet.
+//! Robots and boxes at rest: slopes, loads inside the friction cone, feet.
 
 use super::case::Case;
 use crate::analytic::body::G;
 
-/// Nothing moves and the floor carries the weight: `m g cos tilt` along its normal.
+/// No motion, and the floor carries the weight: `m g cos tilt` along its normal.
 /// `final_base_shift_m` is zero.
 pub fn still(case: &Case, _: usize, metric: &str) -> Option<f64> {
     let [roll, pitch, _] = case.run.scenario.floor.rpy;

@@ -1,5 +1,5 @@
-//! The truths that `scenarios/studies/work-precision-block.toml` compares with, each computed again
-//! from its equation.
+//! The true values that `scenarios/studies/work-precision-block.toml` compares with, each computed
+//! again from its equation.
 
 use stiction::scenario;
 

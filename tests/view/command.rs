@@ -80,8 +80,8 @@ fn ctrl_c_ends_the_server() {
 fn output_writes_a_page_as_a_file() {
     let place = results();
     let folder = &folders(&place, "slide")[0];
-    let said = place.runner(&["view", folder, "-o", "pages/one.html"]).exits(0);
-    assert!(said.stderr.contains("pages/one.html"), "{}", said.stderr);
+    let done = place.runner(&["view", folder, "-o", "pages/one.html"]).exits(0);
+    assert!(done.stderr.contains("pages/one.html"), "{}", done.stderr);
     let page = std::fs::read_to_string(place.path("pages/one.html")).unwrap();
     assert!(page.starts_with("<!DOCTYPE html>") && page.contains("slide"));
     let log = format!("{folder}/log.mcap");
@@ -92,12 +92,12 @@ fn output_writes_a_page_as_a_file() {
 #[test]
 fn unreadable_logs_are_reported() {
     let place = results();
-    let refused = |arguments: &[&str], code, words: &str| {
-        let said = place.runner(arguments).exits(code);
-        assert!(said.stderr.contains(words), "{}", said.stderr);
+    let refused = |arguments: &[&str], code, text: &str| {
+        let done = place.runner(arguments).exits(code);
+        assert!(done.stderr.contains(text), "{}", done.stderr);
     };
     refused(&["view", "nowhere"], 2, "nowhere");
-    refused(&["view", "slide.toml"], 2, "no log of this program");
+    refused(&["view", "slide.toml"], 2, "not a log of this program");
     refused(&["view", "results", "-o", "x.html"], 2, "holds 2 runs");
     refused(&["view", "results/silent"], 4, "none of which left a log");
     refused(&["view", "--port", "99999"], 2, "99999");

@@ -12,7 +12,7 @@ const TICKS: usize = 120;
 fn replay(topics: TopicGroups) -> Result<DrawnRun, ViewError> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
-    sample::started(&path, TICKS, topics).finish().unwrap();
+    sample::open_log(&path, TICKS, topics).finish().unwrap();
     DrawnRun::read(&path)
 }
 
@@ -34,34 +34,34 @@ impl Page {
         Self { head, columns: bytes[(4 + length).next_multiple_of(8)..].to_vec() }
     }
 
-    fn bytes(&self, place: &Value, size: usize) -> Vec<&[u8]> {
-        let (at, n) = (place["at"].as_u64().unwrap() as usize, place["n"].as_u64().unwrap() as usize);
+    fn bytes(&self, array: &Value, size: usize) -> Vec<&[u8]> {
+        let (at, n) = (array["at"].as_u64().unwrap() as usize, array["n"].as_u64().unwrap() as usize);
         assert_eq!(at % 8, 0, "arrays of numbers begin at multiples of their size");
         self.columns[at..at + n * size].chunks(size).collect()
     }
 
-    fn floats(&self, place: &Value) -> Vec<f32> {
-        self.bytes(place, 4).into_iter().map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
+    fn floats(&self, array: &Value) -> Vec<f32> {
+        self.bytes(array, 4).into_iter().map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
     }
 
-    fn whole(&self, place: &Value) -> Vec<usize> {
-        self.bytes(place, 4).into_iter().map(|b| u32::from_le_bytes(b.try_into().unwrap()) as usize).collect()
+    fn indices(&self, array: &Value) -> Vec<usize> {
+        self.bytes(array, 4).into_iter().map(|b| u32::from_le_bytes(b.try_into().unwrap()) as usize).collect()
     }
 
     fn times(&self) -> Vec<f64> {
-        let place = &self.head["times"];
-        self.bytes(place, 8).into_iter().map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect()
+        let array = &self.head["times"];
+        self.bytes(array, 8).into_iter().map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect()
     }
 
     fn list(&self, lists: &Value, tick: usize) -> Vec<f32> {
-        let starts = self.whole(&lists["starts"]);
+        let starts = self.indices(&lists["starts"]);
         self.floats(&lists["numbers"])[starts[tick]..starts[tick + 1]].to_vec()
     }
 }
 
 /// Compares numbers as f32 to the last bit; NaN equals NaN.
 #[track_caller]
-fn same(found: &[f32], expected: impl IntoIterator<Item = f64>) {
+fn assert_same_numbers(found: &[f32], expected: impl IntoIterator<Item = f64>) {
     let bits = |x: f32| if x.is_nan() { None } else { Some(x.to_bits()) };
     let expected: Vec<_> = expected.into_iter().map(|x| bits(x as f32)).collect();
     assert_eq!(found.iter().map(|x| bits(*x)).collect::<Vec<_>>(), expected);
@@ -71,7 +71,7 @@ fn each(vectors: impl IntoIterator<Item = Vector3<f64>>) -> Vec<f64> {
     vectors.into_iter().flat_map(|v| [v.x, v.y, v.z]).collect()
 }
 
-fn some(v: Option<Vector3<f64>>) -> Vector3<f64> {
+fn or_nan(v: Option<Vector3<f64>>) -> Vector3<f64> {
     v.unwrap_or(Vector3::repeat(f64::NAN))
 }
 
@@ -81,28 +81,31 @@ fn numbers_equal_those_of_the_log() {
     let all = snapshots();
     let times: Vec<u64> = page.times().iter().map(|t| t.to_bits()).collect();
     assert_eq!(times, all.iter().map(|s| s.time.to_bits()).collect::<Vec<_>>());
-    same(&page.floats(&page.head["com"]), each(all.iter().map(|s| s.com)));
-    same(&page.floats(&page.head["cop"]), each(all.iter().map(|s| some(s.centre_of_pressure))));
-    same(&page.floats(&page.head["stable"]), each(all.iter().map(|s| some(s.stable_point))));
+    assert_same_numbers(&page.floats(&page.head["com"]), each(all.iter().map(|s| s.com)));
+    assert_same_numbers(&page.floats(&page.head["cop"]), each(all.iter().map(|s| or_nan(s.centre_of_pressure))));
+    assert_same_numbers(&page.floats(&page.head["stable"]), each(all.iter().map(|s| or_nan(s.stable_point))));
     assert!(all.iter().any(|s| s.centre_of_pressure.is_none()), "the sample has a flight");
     for (tick, s) in all.iter().enumerate() {
-        same(&page.list(&page.head["polygon"], tick), each(s.support_polygon.iter().copied()));
-        same(&page.list(&page.head["external"], tick), each(s.external.iter().flat_map(|(p, f)| [*p, *f])));
+        assert_same_numbers(&page.list(&page.head["polygon"], tick), each(s.support_polygon.iter().copied()));
+        assert_same_numbers(
+            &page.list(&page.head["external"], tick),
+            each(s.external.iter().flat_map(|(p, f)| [*p, *f])),
+        );
     }
     let points = page.head["points"].as_array().unwrap();
     assert_eq!(points.iter().map(|p| p["name"].as_str().unwrap()).collect::<Vec<_>>(), ["goal", "now and then"]);
     for (k, point) in points.iter().enumerate() {
-        same(&page.floats(&point["position"]), each(all.iter().map(|s| some(s.points[k].position))));
+        assert_same_numbers(&page.floats(&point["position"]), each(all.iter().map(|s| or_nan(s.points[k].position))));
     }
     let nearest = &page.head["nearest"];
-    let own: Vec<_> = all.iter().map(|s| s.self_contact.as_ref().unwrap()).collect();
-    let of = |k: usize| own[k].nearest.as_ref();
-    same(&page.floats(&nearest["distance"]), (0..TICKS).map(|k| of(k).map_or(f64::INFINITY, |n| n.0)));
-    same(&page.floats(&nearest["first"]), each((0..TICKS).map(|k| some(of(k).map(|n| n.2)))));
-    same(&page.floats(&nearest["second"]), each((0..TICKS).map(|k| some(of(k).map(|n| n.3)))));
+    let self_contacts: Vec<_> = all.iter().map(|s| s.self_contact.as_ref().unwrap()).collect();
+    let of = |k: usize| self_contacts[k].nearest.as_ref();
+    assert_same_numbers(&page.floats(&nearest["distance"]), (0..TICKS).map(|k| of(k).map_or(f64::INFINITY, |n| n.0)));
+    assert_same_numbers(&page.floats(&nearest["first"]), each((0..TICKS).map(|k| or_nan(of(k).map(|n| n.2)))));
+    assert_same_numbers(&page.floats(&nearest["second"]), each((0..TICKS).map(|k| or_nan(of(k).map(|n| n.3)))));
     assert!((0..TICKS).any(|k| of(k).is_some()));
-    for (k, code) in page.whole(&nearest["pair"]).into_iter().enumerate() {
-        let pair = of(k).map_or_else(|| "/".to_owned(), |n| own[k].pairs[n.1].join("/"));
+    for (k, code) in page.indices(&nearest["pair"]).into_iter().enumerate() {
+        let pair = of(k).map_or_else(|| "/".to_owned(), |n| self_contacts[k].pairs[n.1].join("/"));
         assert_eq!(nearest["pairs"][code], pair.as_str());
     }
     assert_eq!(nearest["margin"].as_f64(), Some(0.0), "the sample's scenario has no margin");
@@ -117,10 +120,10 @@ fn numbers_equal_those_of_the_log() {
             if i == 0 { 3 } else { 1 },
             "one sole of the sample changes its state, the other does not"
         );
-        same(&page.floats(&sole["force"]), each(all.iter().map(|s| s.soles[i].forces.iter().sum())));
+        assert_same_numbers(&page.floats(&sole["force"]), each(all.iter().map(|s| s.soles[i].forces.iter().sum())));
         for (v, vertex) in sole["vertices"].as_array().unwrap().iter().enumerate() {
-            same(&page.floats(&vertex["position"]), each(all.iter().map(|s| s.soles[i].positions[v])));
-            same(&page.floats(&vertex["force"]), each(all.iter().map(|s| s.soles[i].forces[v])));
+            assert_same_numbers(&page.floats(&vertex["position"]), each(all.iter().map(|s| s.soles[i].positions[v])));
+            assert_same_numbers(&page.floats(&vertex["force"]), each(all.iter().map(|s| s.soles[i].forces[v])));
             let clamped: Vec<u8> = all.iter().map(|s| u8::from(s.soles[i].clamped[v])).collect();
             assert_eq!(page.bytes(&vertex["clamped"], 1).concat(), clamped);
         }
@@ -170,9 +173,9 @@ fn shapes_equal_those_of_the_robot() {
     assert_eq!(trunk[0]["colour"], serde_json::json!([0.25, 0.5, 0.75, 1.0]));
     let shank = of("shank");
     let (points, triangles) = sample::mesh();
-    same(&page.floats(&shank[0]["points"]), points.iter().flat_map(|p| [p.x, p.y, p.z]));
+    assert_same_numbers(&page.floats(&shank[0]["points"]), points.iter().flat_map(|p| [p.x, p.y, p.z]));
     let indices: Vec<usize> = triangles.iter().flatten().map(|i| *i as usize).collect();
-    assert_eq!(page.whole(&shank[0]["indices"]), indices);
+    assert_eq!(page.indices(&shank[0]["indices"]), indices);
     let kinds: Vec<_> = of("ball").iter().map(|s| s["kind"].as_str().unwrap().to_owned()).collect();
     // A capsule is a cylinder with a sphere at each end.
     assert_eq!(kinds, ["sphere", "sphere", "sphere", "cylinder", "cylinder"]);
@@ -191,7 +194,7 @@ fn a_rate_keeps_some_ticks_and_the_last() {
     assert_eq!(replay.thinned(None).len(), TICKS);
     let page = Page::of(&pack(&replay, Some(0.25 / period)));
     assert_eq!(page.times(), kept.iter().map(|&i| replay.times[i]).collect::<Vec<_>>());
-    same(&page.floats(&page.head["com"]), each(kept.iter().map(|&i| sample::snapshot(i).com)));
+    assert_same_numbers(&page.floats(&page.head["com"]), each(kept.iter().map(|&i| sample::snapshot(i).com)));
     let moving = page.head["frames"].as_array().unwrap().iter().find(|f| f["fixed"] == false).unwrap();
     assert_eq!(page.floats(&moving["poses"]).len(), 7 * kept.len());
 }

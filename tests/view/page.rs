@@ -14,7 +14,7 @@ fn between<'a>(page: &'a str, begin: &str, end: &str) -> &'a str {
 fn a_file_page_contains_its_run() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("log.mcap");
-    sample::started(&path, 20, TopicGroups::ALL).finish().unwrap();
+    sample::open_log(&path, 20, TopicGroups::ALL).finish().unwrap();
     let packed = pack(&DrawnRun::read(&path).unwrap(), None);
     let page = file_page("a run", &packed);
     let data = between(&page, "<script id=\"data\" type=\"text/plain\">", "</script>");
@@ -28,9 +28,9 @@ fn a_file_page_contains_its_run() {
 fn a_page_loads_nothing_from_other_hosts() {
     let page = served_page("a run", true);
     // An XML namespace in three.js, which is not loaded.
-    let own = page.replace("http://www.w3.org/1999/xhtml", "");
-    for sign in ["http://", "https://", "src=", "@import", "url(", "import("] {
-        assert!(!own.contains(sign), "{sign}");
+    let without_namespace = page.replace("http://www.w3.org/1999/xhtml", "");
+    for reference in ["http://", "https://", "src=", "@import", "url(", "import("] {
+        assert!(!without_namespace.contains(reference), "{reference}");
     }
     assert!(page.contains("Content-Security-Policy\" content=\"default-src 'none'"));
     assert_eq!(page.matches("<script").count(), 3, "data, three.js, ours");

@@ -1,4 +1,4 @@
-//! Tests of the answers of the server.
+//! Tests of the responses of the viewer server.
 
 use crate::record::sample;
 use std::io::{Read, Write};
@@ -15,7 +15,7 @@ struct Serving {
     thread: Option<JoinHandle<()>>,
 }
 
-struct Answer {
+struct Response {
     status: u16,
     head: String,
     body: Vec<u8>,
@@ -26,7 +26,7 @@ impl Serving {
     fn start(topics: TopicGroups) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("log.mcap");
-        sample::started(&path, 20, topics).finish().unwrap();
+        sample::open_log(&path, 20, topics).finish().unwrap();
         let (runs, skipped) = ViewableRuns::find(&path).unwrap();
         assert!(skipped.is_empty());
         let server = ViewServer::new(runs, None, 0).unwrap();
@@ -34,11 +34,11 @@ impl Serving {
         Self { folder, address, stopper, thread: Some(std::thread::spawn(|| server.run())) }
     }
 
-    fn get(&self, target: &str) -> Answer {
-        self.say(&format!("GET {target} HTTP/1.1\r\nHost: {}\r\n\r\n", self.address))
+    fn get(&self, target: &str) -> Response {
+        self.send(&format!("GET {target} HTTP/1.1\r\nHost: {}\r\n\r\n", self.address))
     }
 
-    fn say(&self, request: &str) -> Answer {
+    fn send(&self, request: &str) -> Response {
         let mut stream = TcpStream::connect(self.address).unwrap();
         stream.write_all(request.as_bytes()).unwrap();
         let mut all = Vec::new();
@@ -46,7 +46,7 @@ impl Serving {
         let end = all.windows(4).position(|w| w == b"\r\n\r\n").expect("a head") + 4;
         let head = String::from_utf8(all[..end].to_vec()).unwrap();
         let status = head.split(' ').nth(1).unwrap().parse().unwrap();
-        Answer { status, head, body: all[end..].to_vec() }
+        Response { status, head, body: all[end..].to_vec() }
     }
 }
 
@@ -86,7 +86,7 @@ fn the_server_serves_the_page_and_the_data_of_its_run() {
     assert!(data.head.contains("\r\nContent-Type: application/octet-stream\r\n"), "{}", data.head);
     let replay = DrawnRun::read(&serving.folder.path().join("log.mcap")).unwrap();
     assert_eq!(data.body, pack(&replay, None).0);
-    let head = serving.say(&format!("HEAD /run/0/data HTTP/1.1\r\nHost: {}\r\n\r\n", serving.address));
+    let head = serving.send(&format!("HEAD /run/0/data HTTP/1.1\r\nHost: {}\r\n\r\n", serving.address));
     assert_eq!((head.status, head.body.len()), (200, 0));
     assert!(head.head.contains(&format!("\r\nContent-Length: {}\r\n", data.body.len())), "{}", head.head);
 }
@@ -115,9 +115,9 @@ fn other_targets_are_not_found() {
         "*",
         "http://example.org/",
     ] {
-        let answer = serving.get(target);
-        assert_eq!(answer.status, 404, "{target}: {}", answer.head);
-        assert_eq!(answer.body, b"there is no such page\n", "{target}");
+        let response = serving.get(target);
+        assert_eq!(response.status, 404, "{target}: {}", response.head);
+        assert_eq!(response.body, b"there is no such page\n", "{target}");
     }
 }
 
@@ -126,9 +126,9 @@ fn requests_with_another_host_are_refused() {
     let serving = Serving::start(TopicGroups::ALL);
     let port = serving.address.port();
     for host in ["Host: evil.example\r\n", &format!("Host: evil.example:{port}\r\n"), "Host: 127.0.0.1\r\n", ""] {
-        assert_eq!(serving.say(&format!("GET /run/0/data HTTP/1.1\r\n{host}\r\n")).status, 403, "{host}");
+        assert_eq!(serving.send(&format!("GET /run/0/data HTTP/1.1\r\n{host}\r\n")).status, 403, "{host}");
     }
-    let named = serving.say(&format!("GET /run/0/data HTTP/1.1\r\nHost: LocalHost:{port}\r\n\r\n"));
+    let named = serving.send(&format!("GET /run/0/data HTTP/1.1\r\nHost: LocalHost:{port}\r\n\r\n"));
     assert_eq!(named.status, 200);
 }
 
@@ -136,19 +136,19 @@ fn requests_with_another_host_are_refused() {
 fn methods_other_than_get_and_head_are_refused() {
     let serving = Serving::start(TopicGroups::ALL);
     for method in ["POST", "PUT", "DELETE", "OPTIONS"] {
-        let answer = serving.say(&format!("{method} / HTTP/1.1\r\nHost: {}\r\n\r\n", serving.address));
-        assert_eq!(answer.status, 405, "{method}");
-        assert!(answer.head.contains("\r\nAllow: GET, HEAD\r\n"), "{}", answer.head);
+        let response = serving.send(&format!("{method} / HTTP/1.1\r\nHost: {}\r\n\r\n", serving.address));
+        assert_eq!(response.status, 405, "{method}");
+        assert!(response.head.contains("\r\nAllow: GET, HEAD\r\n"), "{}", response.head);
     }
-    assert_eq!(serving.say("what?\r\n\r\n").status, 400);
+    assert_eq!(serving.send("what?\r\n\r\n").status, 400);
 }
 
 #[test]
-fn the_error_of_an_unreadable_log_is_the_answer() {
+fn the_error_of_an_unreadable_log_is_the_response() {
     let serving = Serving::start(TopicGroups { scene: false, ..TopicGroups::ALL });
-    let answer = serving.get("/run/0/data");
-    assert_eq!(answer.status, 500);
-    assert!(String::from_utf8(answer.body).unwrap().contains("log.topics"));
+    let response = serving.get("/run/0/data");
+    assert_eq!(response.status, 500);
+    assert!(String::from_utf8(response.body).unwrap().contains("log.topics"));
     std::fs::write(serving.folder.path().join("log.mcap"), "no log").unwrap();
     assert_eq!(serving.get("/run/0/data").status, 500);
 }

@@ -18,8 +18,8 @@ pub(super) fn drag(
     let points = match &spec.link {
         Some(name) => {
             let (link, pose) = names::moving_link(model, run, &format!("force.{i}.link"), name, errors)?;
-            let given = spec.point.map(|p| (pose * Point3::from(p)).coords);
-            vec![(link, given.unwrap_or(model.links[link.0].com))]
+            let point = spec.point.map(|p| (pose * Point3::from(p)).coords);
+            vec![(link, point.unwrap_or(model.links[link.0].com))]
         }
         None => {
             let moving = usize::from(model.base == Base::Fixed);

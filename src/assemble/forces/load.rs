@@ -1,6 +1,6 @@
 //! Creates carried objects from their entries.
 
-use crate::assemble::forces::Held;
+use crate::assemble::names::{self, GripFrame};
 use crate::robot::Model;
 use crate::robot::adjustments;
 use crate::scenario::{CarriedObject as ObjectSpec, Diagnostic, ForceSpec, Run};
@@ -12,22 +12,28 @@ pub(in crate::assemble) fn loads(run: &Run, model: &Model, errors: &mut Vec<Diag
     let entries = run.scenario.force.iter().enumerate();
     let object = |(i, spec): (usize, &ForceSpec)| match spec {
         ForceSpec::CarriedObject(object) => {
-            let held = crate::assemble::forces::names::held(model, run, i, spec, errors)?;
-            load(run, i, held, object, errors)
+            let frame = names::grip_frame(model, run, i, spec, errors)?;
+            load(run, i, frame, object, errors)
         }
         _ => None,
     };
     entries.filter_map(object).collect()
 }
 
-fn load(run: &Run, i: usize, held: Held, spec: &ObjectSpec, errors: &mut Vec<Diagnostic>) -> Option<CarriedObject> {
+fn load(
+    run: &Run,
+    i: usize,
+    frame: GripFrame,
+    spec: &ObjectSpec,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<CarriedObject> {
     let [roll, pitch, yaw] = spec.rpy;
     let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
     let pose = Isometry3::from_parts(Translation3::from(spec.position), rotation);
-    match adjustments::load_in(&held.pose, &held.name, spec.mass, pose, spec.inertia) {
+    match adjustments::load_in(&frame.pose, &frame.name, spec.mass, pose, spec.inertia) {
         Ok(body) => Some(CarriedObject {
-            name: held.name,
-            link: held.link,
+            name: frame.name,
+            link: frame.link,
             body,
             velocity: spec.velocity.map(Into::into),
             from: spec.start,

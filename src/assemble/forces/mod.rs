@@ -7,13 +7,13 @@ mod spring;
 
 pub(super) use load::loads;
 
-use crate::assemble::names::{self, Held};
-use crate::assemble::script;
+use crate::assemble::names::{self, GripFrame};
+use crate::assemble::script_setup;
 use crate::force::friction::JointFriction;
 use crate::force::profile::{Profile, Shape};
 use crate::force::wrench::Wrench;
 use crate::force::{Force, NoForce};
-use crate::robot::{Friction, Model};
+use crate::robot::{JointFrictionLaw, Model};
 use crate::scenario::{
     ConstantForce, Diagnostic, ForceFrame, ForceSpec, Profile as ProfileSpec, PushForce, RampForce, Run,
 };
@@ -26,36 +26,35 @@ pub(super) fn forces(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) -> 
         match spec {
             ForceSpec::Push(PushForce { point, force, moment, frame, start, duration, profile, .. }) => {
                 let profile = Profile::new(shape(*profile), *start, *duration);
-                let made = wrench(run, model, (i, spec), [point, force, moment], *frame, profile, errors);
-                forces.extend(made);
+                forces.extend(wrench(run, model, (i, spec), [point, force, moment], *frame, profile, errors));
             }
             ForceSpec::Constant(ConstantForce { point, force, moment, frame, start, duration, .. }) => {
                 let profile = span(*start, *duration);
-                let made = wrench(run, model, (i, spec), [point, force, moment], *frame, profile, errors);
-                forces.extend(made);
+                forces.extend(wrench(run, model, (i, spec), [point, force, moment], *frame, profile, errors));
             }
             ForceSpec::Ramp(RampForce { point, force, moment, frame, start, duration, .. }) => {
                 let profile = Profile::new(Shape::Ramp, *start, *duration);
-                let made = wrench(run, model, (i, spec), [point, force, moment], *frame, profile, errors);
-                forces.extend(made);
+                forces.extend(wrench(run, model, (i, spec), [point, force, moment], *frame, profile, errors));
             }
             ForceSpec::Spring(spring) => {
-                let held = names::held(model, run, i, spec, errors);
-                forces.extend(held.map(|held| spring::spring(held, spring)));
+                let frame = names::grip_frame(model, run, i, spec, errors);
+                forces.extend(frame.map(|frame| spring::spring(frame, spring)));
             }
             ForceSpec::RandomPushes(spec) => forces.extend(random_pushes::pushes(run, model, i, spec, errors)),
             ForceSpec::Drag(spec) => forces.extend(drag::drag(run, model, i, spec, errors)),
             ForceSpec::Script(spec) => {
                 let span = span(spec.start, spec.duration);
-                forces.extend(script::force(run, model, i, spec, span, errors));
+                forces.extend(script_setup::force(run, model, i, spec, span, errors));
             }
-            // No force, but inertia: see `loads`. It keeps its number among the forces.
+            // It exerts no force but adds inertia: see `loads`. The placeholder keeps the indices.
             ForceSpec::CarriedObject(_) => forces.push(Box::new(NoForce)),
             ForceSpec::JointFriction(spec) => {
                 let unused: Vec<f64> = spec.joints.values().map(|_| 0.0).collect();
                 names::joints(model, run, &format!("force.{i}.joints"), spec.joints.keys().zip(&unused), errors);
-                let of = |(j, joint): (usize, &crate::robot::Joint)| spec.of(&joint.name).map(|f| (j, friction(&f)));
-                let joints = model.joints.iter().enumerate().filter_map(of).collect();
+                let law = |(j, joint): (usize, &crate::robot::Joint)| {
+                    spec.friction_of(&joint.name).map(|f| (j, friction(&f)))
+                };
+                let joints = model.joints.iter().enumerate().filter_map(law).collect();
                 if model.joints.is_empty() {
                     let message = format!("the robot `{}` has no joints that could have friction", model.name);
                     errors.push(run.error_at(&format!("force.{i}"), message, None));
@@ -82,9 +81,9 @@ fn shape(profile: ProfileSpec) -> Shape {
     }
 }
 
-fn friction(f: &crate::scenario::JointFriction) -> Friction {
-    let default = Friction::default();
-    Friction {
+fn friction(f: &crate::scenario::JointFriction) -> JointFrictionLaw {
+    let default = JointFrictionLaw::default();
+    JointFrictionLaw {
         coulomb: f.coulomb,
         viscous: f.viscous,
         static_: f.static_.unwrap_or(default.static_),
@@ -102,7 +101,7 @@ fn wrench(
     profile: Profile,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<Box<dyn Force>> {
-    let Held { link, pose, .. } = names::held(model, run, i, spec, errors)?;
+    let GripFrame { link, pose, .. } = names::grip_frame(model, run, i, spec, errors)?;
     Some(Box::new(Wrench {
         link,
         point: (pose * Point3::from(*point)).coords,

@@ -8,11 +8,12 @@ use crate::robot::Model;
 use crate::scenario::{Diagnostic, Directions, RandomPushes as Spec, Run};
 use nalgebra::Point3;
 
-/// Most expected pushes: a Poisson number exceeds its mean by ten standard deviations practically never.
-const FEW: usize = 9_000;
+/// Greatest expected number of pushes: ten standard deviations of a Poisson number below
+/// [`MAX_PUSHES`](crate::force::random_pushes::MAX_PUSHES).
+const MAX_EXPECTED: usize = 9_000;
 
-/// The pushes of entry `i`, drawn from the run's seed and the entry's index. Unknown links and too many pushes are
-/// errors at their positions.
+/// The pushes of entry `i`, drawn from the run's seed and the entry's index. Unknown links and too
+/// many pushes are errors at their positions.
 pub(super) fn pushes(
     run: &Run,
     model: &Model,
@@ -33,8 +34,8 @@ pub(super) fn pushes(
             (Count::Rate(rate), "rate", rate * seconds)
         }
     };
-    if expected > FEW as f64 {
-        let message = format!("`force.{i}.{key}` makes about {expected} pushes; at most {FEW} are allowed");
+    if expected > MAX_EXPECTED as f64 {
+        let message = format!("`force.{i}.{key}` makes about {expected} pushes; at most {MAX_EXPECTED} are allowed");
         errors.push(run.error_at(&format!("force.{i}.{key}"), message, None));
         return None;
     }

@@ -37,7 +37,7 @@ impl Cancellation {
         self.flag.clone()
     }
 
-    /// Why it was cancelled, if it was.
+    /// The reason of the cancellation; none if the run was not cancelled.
     pub fn reason(&self) -> Option<Reason> {
         self.flag.load(Ordering::Acquire).then(|| self.reason.get().copied()).flatten()
     }
@@ -56,10 +56,10 @@ impl Gate {
         self.closed.store(true, Ordering::Release);
     }
 
-    /// Counts a run that did not end as it should; closes the gate at the `most`-th.
-    pub fn count_failure(&self, most: Option<NonZero<usize>>) {
+    /// Counts a run that was not accepted; closes the gate at the `limit`-th.
+    pub fn count_failure(&self, limit: Option<NonZero<usize>>) {
         let failures = self.failures.fetch_add(1, Ordering::AcqRel) + 1;
-        if most.is_some_and(|most| failures >= most.get()) {
+        if limit.is_some_and(|limit| failures >= limit.get()) {
             self.close();
         }
     }

@@ -15,16 +15,17 @@ use crate::batch::run::run_timer::{self, Lap};
 use crate::batch::{Cancellation, Finished, Job, Listener, Options, Plan, Progress, Reason, Resumed};
 use crate::files::RecordError;
 use crate::results::{RunRecord, RunsLog};
-use crate::sim::Outcome;
+use crate::sim::{Outcome, RunError};
+use crate::text::plural::plural;
 
 /// A run that has started and not finished.
 struct Active {
     /// None for a repetition.
     job: Option<Arc<Job>>,
     cancellation: Arc<Cancellation>,
-    /// When its time limit expires; none without a limit or once it has expired.
+    /// Instant at which its time limit expires; none without a limit, and once it has expired.
     deadline: Option<Instant>,
-    /// When to report it as slow; none if never or already reported.
+    /// Instant at which to report it as slow; none without a limit, and once it is reported.
     slow: Option<Instant>,
 }
 
@@ -47,7 +48,7 @@ pub(in crate::batch) struct Dispatcher<'a> {
     finished: Store,
     references: Store,
     /// Runs to be repeated for timing.
-    again: Vec<usize>,
+    to_repeat: Vec<usize>,
     laps: BTreeMap<usize, Vec<Lap>>,
     /// Notes on failed repetitions, by run.
     notes: BTreeMap<usize, Vec<String>>,
@@ -65,7 +66,7 @@ impl<'a> Dispatcher<'a> {
         listener: &'a mut dyn Listener,
         resumed: Resumed,
     ) -> Self {
-        let Resumed { finished, references, again, .. } = resumed;
+        let Resumed { finished, references, to_repeat, .. } = resumed;
         progress.skipped(finished.count + references.count);
         Self {
             plan,
@@ -77,7 +78,7 @@ impl<'a> Dispatcher<'a> {
             active: BTreeMap::new(),
             finished,
             references,
-            again,
+            to_repeat,
             laps: BTreeMap::new(),
             notes: BTreeMap::new(),
             interruptions: 0,
@@ -88,7 +89,7 @@ impl<'a> Dispatcher<'a> {
     /// Processes events until all threads have finished.
     pub fn receive(&mut self, events: &Receiver<Event>) {
         loop {
-            let event = match self.patience() {
+            let event = match self.receive_timeout() {
                 Some(time) => events.recv_timeout(time),
                 None => events.recv().map_err(RecvTimeoutError::from),
             };
@@ -101,8 +102,8 @@ impl<'a> Dispatcher<'a> {
                 Ok(Event::Drained) | Err(RecvTimeoutError::Disconnected) => break,
                 Err(RecvTimeoutError::Timeout) => self.progress.tick(),
             }
-            self.end_overdue();
-            self.tell_slow();
+            self.cancel_overdue();
+            self.report_slow();
         }
     }
 
@@ -111,8 +112,8 @@ impl<'a> Dispatcher<'a> {
         if self.gate.is_closed() || !self.options.timing {
             return Vec::new();
         }
-        self.again.sort_unstable();
-        std::mem::take(&mut self.again)
+        self.to_repeat.sort_unstable();
+        std::mem::take(&mut self.to_repeat)
     }
 
     /// Writes repeated timings into the records and returns all finished runs, in plan order.
@@ -142,7 +143,7 @@ impl<'a> Dispatcher<'a> {
     }
 
     /// Time until the next deadline or progress tick.
-    fn patience(&self) -> Option<Duration> {
+    fn receive_timeout(&self) -> Option<Duration> {
         let now = Instant::now();
         let deadlines = self.active.values().flat_map(|a| [a.deadline, a.slow]).flatten();
         let next = deadlines.map(|at| at.saturating_duration_since(now)).min();
@@ -157,12 +158,11 @@ impl<'a> Dispatcher<'a> {
         let deadline = after(self.options.timeout);
         // Repetitions have no job here and are not reported.
         let slow = after(self.options.slow.filter(|_| job.is_some()));
-        let told = job.clone();
-        self.active.insert(work, Active { job, cancellation, deadline, slow });
-        if let Some(job) = told {
-            self.progress.started(self.active.len());
-            self.listener.started(&job);
+        if let Some(job) = &job {
+            self.progress.started(self.active.len() + 1);
+            self.listener.started(job);
         }
+        self.active.insert(work, Active { job, cancellation, deadline, slow });
     }
 
     fn finished(&mut self, work: Work, finished: Finished) {
@@ -185,19 +185,19 @@ impl<'a> Dispatcher<'a> {
         let done = self.finished.count + self.references.count + 1;
         self.progress.finished(&job, &finished, done, self.plan.runs() + self.plan.references());
         self.listener.finished(&job, &finished);
-        if is_run && is_to_repeat(&job, &finished) {
-            self.again.push(job.index);
+        if is_run && finished.needs_repetitions(&job) {
+            self.to_repeat.push(job.index);
         }
         if is_run { &mut self.finished } else { &mut self.references }.insert(job.index, finished);
     }
 
-    fn timed(&mut self, index: usize, lap: Result<Lap, String>) {
+    fn timed(&mut self, index: usize, lap: Result<Lap, RunError>) {
         self.active.remove(&Work::Repetition(index));
         self.progress.timed();
         match lap {
             Ok(lap) => self.laps.entry(index).or_default().push(lap),
-            Err(reason) => {
-                let note = format!("a repetition for timing came to nothing: {reason}");
+            Err(error) => {
+                let note = format!("a repetition for timing failed: {}", error.with_outcome());
                 self.notes.entry(index).or_default().push(note);
             }
         }
@@ -209,20 +209,20 @@ impl<'a> Dispatcher<'a> {
         let running = self.active.len();
         match self.interruptions {
             1 => {
-                let plural = if running == 1 { "run" } else { "runs" };
-                self.progress.say(&format!(
-                    "interrupted: no more runs are started, {running} {plural} being finished; again to cancel them"
+                self.progress.print_line(&format!(
+                    "interrupted: no more runs are started, {} being finished; again to cancel them",
+                    plural(running, "run")
                 ));
             }
             2 => {
-                self.progress.say("interrupted again: running runs are cancelled");
+                self.progress.print_line("interrupted again: running runs are cancelled");
                 self.active.values().for_each(|a| a.cancellation.cancel(Reason::Interrupted));
             }
             _ => {}
         }
     }
 
-    fn tell_slow(&mut self) {
+    fn report_slow(&mut self) {
         let Some(limit) = self.options.slow else { return };
         let now = Instant::now();
         for active in self.active.values_mut().filter(|a| a.slow.is_some_and(|at| at <= now)) {
@@ -234,7 +234,7 @@ impl<'a> Dispatcher<'a> {
         }
     }
 
-    fn end_overdue(&mut self) {
+    fn cancel_overdue(&mut self) {
         let now = Instant::now();
         for active in self.active.values_mut() {
             if active.deadline.is_some_and(|at| at <= now) {
@@ -245,13 +245,7 @@ impl<'a> Dispatcher<'a> {
     }
 }
 
-/// Does a finished run need more repetitions for timing?
-pub(in crate::batch) fn is_to_repeat(job: &Job, finished: &Finished) -> bool {
-    let whole = matches!(finished.row.outcome, Outcome::Passed | Outcome::Failed | Outcome::Fallen);
-    whole && job.repetitions() > finished.row.repeats.map_or(0, |repeats| repeats.count)
-}
-
-/// Larger than a directory entry: a disk with room for nothing else counts as full. Bytes.
+/// Size of the test file, bytes. It exceeds a directory entry, so a full disk refuses it.
 const PROBE: usize = 64 << 10;
 
 /// Checks that the folder accepts a file of `PROBE` bytes.

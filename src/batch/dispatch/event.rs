@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::sim::RunError;
+
 use crate::batch::run::run_timer::Lap;
 use crate::batch::{Cancellation, Finished, Job};
 
@@ -27,7 +29,7 @@ pub(in crate::batch) enum Event {
         job: Option<Arc<Job>>,
         /// Start time.
         at: Instant,
-        /// Cancels it.
+        /// Cancels the work.
         cancellation: Arc<Cancellation>,
     },
     /// A run ended and its files are written.
@@ -51,7 +53,7 @@ pub(in crate::batch) enum Event {
         /// The run's position in the plan.
         index: usize,
         /// Its times, or why there are none.
-        lap: Result<Lap, String>,
+        lap: Result<Lap, RunError>,
     },
     /// The user interrupted the batch.
     Interrupt,

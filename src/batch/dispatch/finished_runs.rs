@@ -13,13 +13,13 @@ use crate::sim::Outcome;
 /// Finished runs by their positions in the plan.
 #[derive(Debug, Default)]
 pub(in crate::batch) struct Store {
-    kept: BoundedSample<Finished>,
+    sample: BoundedSample<Finished>,
     /// Runs without a record, which exist only in memory.
     unwritten: BTreeMap<usize, Finished>,
     done: Vec<bool>,
     /// Number of finished runs.
     pub count: usize,
-    /// Number of runs that did not end as they should, failed expectations excluded.
+    /// Number of runs that were not accepted, failed expectations excluded.
     pub unfinished: usize,
     /// Number of runs with a failed expectation.
     pub failed: usize,
@@ -41,7 +41,7 @@ impl Store {
         }
         if is_written {
             let is_refused = !finished.accepted;
-            self.kept.insert(index, finished, is_refused);
+            self.sample.insert(index, finished, is_refused);
         } else {
             self.unwritten.insert(index, finished);
         }
@@ -58,7 +58,7 @@ impl Store {
 
     /// A finished run, if it is in memory.
     pub fn get_mut(&mut self, index: usize) -> Option<&mut Finished> {
-        self.unwritten.get_mut(&index).or_else(|| self.kept.get_mut(index))
+        self.unwritten.get_mut(&index).or_else(|| self.sample.get_mut(index))
     }
 
     /// The row of a finished run, from memory or from its record.
@@ -66,7 +66,7 @@ impl Store {
     /// # Errors
     /// The record cannot be read.
     pub fn row(&self, index: usize, plan: &Plan, output: &Path) -> Result<SummaryRow, RecordError> {
-        match self.unwritten.get(&index).or_else(|| self.kept.get(index)) {
+        match self.unwritten.get(&index).or_else(|| self.sample.get(index)) {
             Some(finished) => Ok(finished.row.clone()),
             None => Ok(RunRecord::read(&plan.folder(index, output).join(names::RUN_RECORD))?.summary_row()),
         }
@@ -77,7 +77,7 @@ impl Store {
     /// # Errors
     /// The record cannot be read.
     pub fn finished(&self, job: &Job, output: &Path) -> Result<Finished, RecordError> {
-        if let Some(finished) = self.unwritten.get(&job.index).or_else(|| self.kept.get(job.index)) {
+        if let Some(finished) = self.unwritten.get(&job.index).or_else(|| self.sample.get(job.index)) {
             return Ok(finished.clone());
         }
         let path = job.folder(output).join(names::RUN_RECORD);
@@ -87,13 +87,13 @@ impl Store {
     }
 
     /// The runs in memory, in the order of the plan.
-    pub fn into_kept(self) -> Vec<Finished> {
-        let Store { mut kept, unwritten, .. } = self;
+    pub fn into_sample(self) -> Vec<Finished> {
+        let Store { mut sample, unwritten, .. } = self;
         for (index, finished) in unwritten {
             let is_refused = !finished.accepted;
-            kept.insert(index, finished, is_refused);
+            sample.insert(index, finished, is_refused);
         }
-        kept.into_sorted()
+        sample.into_sorted()
     }
 }
 

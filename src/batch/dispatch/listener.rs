@@ -6,13 +6,13 @@ use crate::batch::{Finished, Job};
 
 /// Receives the events of a batch in order, on one thread. Repetitions for timing are not reported.
 pub trait Listener {
-    /// Does it need events?
+    /// True if it needs events.
     fn is_active(&self) -> bool {
         true
     }
 
-    /// A run or reference run is recorded already; called before the first run starts.
-    fn kept(&mut self, job: &Job, finished: &Finished) {
+    /// A run or reference run is already recorded; called before the first run starts.
+    fn resumed(&mut self, job: &Job, finished: &Finished) {
         let _ = (job, finished);
     }
 
@@ -46,8 +46,8 @@ impl Listener for Vec<&mut dyn Listener> {
         !self.is_empty()
     }
 
-    fn kept(&mut self, job: &Job, finished: &Finished) {
-        self.iter_mut().for_each(|l| l.kept(job, finished));
+    fn resumed(&mut self, job: &Job, finished: &Finished) {
+        self.iter_mut().for_each(|l| l.resumed(job, finished));
     }
 
     fn started(&mut self, job: &Job) {

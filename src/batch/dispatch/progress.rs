@@ -12,12 +12,12 @@ use crate::text::visible::visible;
 /// Interval between redraws of the bar while no run ends.
 const TICK: Duration = Duration::from_millis(200);
 
-/// Progress lines of a batch whose runs are all accepted and fast.
+/// Number of progress lines of a batch whose runs are all accepted and fast.
 const LINES: usize = 10;
-/// After this time without a line, the next finished run gets one.
+/// Time without a line after which the next finished run gets one.
 const SILENCE: Duration = Duration::from_secs(10);
 
-/// Where progress goes.
+/// Output of progress.
 pub enum Progress {
     /// A bar, and a line for each run that was not accepted.
     Bar(ProgressBar),
@@ -30,18 +30,18 @@ pub enum Progress {
 /// Selects the finished runs that get a line: all, or those not accepted and a few others.
 pub struct Lines {
     all: bool,
-    /// When the last line was written.
+    /// Instant of the last line.
     last: Cell<Instant>,
 }
 
 impl Lines {
-    fn has(&self, accepted: bool, done: usize, runs: usize, now: Instant) -> bool {
+    fn selects(&self, accepted: bool, done: usize, runs: usize, now: Instant) -> bool {
         let tenth = done * LINES / runs.max(1) > done.saturating_sub(1) * LINES / runs.max(1);
-        let has = self.all || !accepted || tenth || now.duration_since(self.last.get()) >= SILENCE;
-        if has {
+        let selected = self.all || !accepted || tenth || now.duration_since(self.last.get()) >= SILENCE;
+        if selected {
             self.last.set(now);
         }
-        has
+        selected
     }
 }
 
@@ -53,14 +53,14 @@ impl Progress {
             return Progress::Lines(Lines { all, last: Cell::new(Instant::now()) });
         }
         let bar = ProgressBar::with_draw_target(Some(runs as u64), ProgressDrawTarget::stderr());
-        // The template is fixed and valid; the default style would do as well.
+        // The template is fixed and valid.
         if let Ok(style) = ProgressStyle::with_template("{elapsed_precise} {wide_bar} {pos}/{len} runs  {msg}") {
             bar.set_style(style);
         }
         Progress::Bar(bar)
     }
 
-    /// How long the dispatcher may sleep before it calls [`Progress::tick`].
+    /// Longest time between two calls of [`Progress::tick`].
     pub(in crate::batch) fn tick_interval(&self) -> Option<Duration> {
         matches!(self, Progress::Bar(_)).then_some(TICK)
     }
@@ -78,7 +78,7 @@ impl Progress {
     }
 
     pub(in crate::batch) fn finished(&self, job: &Job, finished: &Finished, done: usize, runs: usize) {
-        let line = line(job, finished, done, runs);
+        let line = finished_line(job, finished, done, runs);
         match self {
             Progress::Bar(bar) => {
                 bar.inc(1);
@@ -86,17 +86,17 @@ impl Progress {
                     bar.println(line);
                 }
             }
-            Progress::Lines(lines) if lines.has(finished.accepted, done, runs, Instant::now()) => say(&line),
+            Progress::Lines(lines) if lines.selects(finished.accepted, done, runs, Instant::now()) => print_line(&line),
             Progress::Lines(_) | Progress::Silent => {}
         }
     }
 
     /// Reports a run that has exceeded `limit`.
     pub(in crate::batch) fn slow(&self, job: &Job, limit: Duration) {
-        self.say(&format!("slow: {} has been running for {} s", named(job), limit.as_secs_f64()));
+        self.print_line(&format!("slow: {} has been running for {} s", display_name(job), limit.as_secs_f64()));
     }
 
-    /// Counts runs that are recorded already.
+    /// Counts runs that are already recorded.
     pub(in crate::batch) fn skipped(&self, runs: usize) {
         if let Progress::Bar(bar) = self {
             bar.inc(runs as u64);
@@ -111,7 +111,7 @@ impl Progress {
                 bar.inc_length(runs as u64);
                 bar.set_message(line);
             }
-            Progress::Lines(_) => say(&line),
+            Progress::Lines(_) => print_line(&line),
             Progress::Silent => {}
         }
     }
@@ -123,11 +123,11 @@ impl Progress {
         }
     }
 
-    /// Writes another line.
-    pub(in crate::batch) fn say(&self, line: &str) {
+    /// Prints a line.
+    pub(in crate::batch) fn print_line(&self, line: &str) {
         match self {
             Progress::Bar(bar) => bar.println(line),
-            Progress::Lines(_) => say(line),
+            Progress::Lines(_) => print_line(line),
             Progress::Silent => {}
         }
     }
@@ -139,26 +139,25 @@ impl Progress {
     }
 }
 
-/// A closed standard error does not stop the batch.
-fn say(line: &str) {
+/// Prints a line on standard error. A closed standard error does not stop the batch.
+fn print_line(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 /// `push contact.method=exact`
-fn named(job: &Job) -> String {
+fn display_name(job: &Job) -> String {
     let label = if job.label.is_empty() { String::new() } else { format!(" {}", job.label) };
     visible(&format!("{}{label}", job.run.name)).into_owned()
 }
 
 /// `[ 3/25] push contact.method=exact: passed, 5.000 s in 0.812 s`
-fn line(job: &Job, finished: &Finished, done: usize, runs: usize) -> String {
+fn finished_line(job: &Job, finished: &Finished, done: usize, runs: usize) -> String {
     let row = &finished.row;
     let width = runs.to_string().len();
-    let name = format!("[{done:>width$}/{runs}] {}", named(job));
+    let name = format!("[{done:>width$}/{runs}] {}", display_name(job));
     let times = format!("{:.3} s in {:.3} s", row.metrics.duration_s, row.wall_s);
-    let words = row.message.split_whitespace().collect::<Vec<_>>().join(" ");
-    let words = visible(&words);
-    let message = if words.is_empty() { String::new() } else { format!(": {words}") };
+    let message = row.message.split_whitespace().collect::<Vec<_>>().join(" ");
+    let message = if message.is_empty() { message } else { format!(": {}", visible(&message)) };
     format!("{name}: {}, {times}{message}", row.outcome.name())
 }
 
@@ -171,7 +170,7 @@ mod tests {
         let start = Instant::now();
         let lines = |all: bool, runs: usize, accepted: fn(usize) -> bool| {
             let lines = Lines { all, last: Cell::new(start) };
-            (1..=runs).filter(|done| lines.has(accepted(*done), *done, runs, start)).count()
+            (1..=runs).filter(|done| lines.selects(accepted(*done), *done, runs, start)).count()
         };
         for runs in 0..=10 {
             assert_eq!(lines(false, runs, |_| true), runs);
@@ -179,8 +178,8 @@ mod tests {
         assert_eq!(lines(false, 421, |_| true), 10);
         assert_eq!(lines(true, 421, |_| true), 421);
         assert_eq!(lines(false, 1000, |done| done % 100 != 7), 20);
-        let seldom = Lines { all: false, last: Cell::new(start) };
-        assert!(!seldom.has(true, 3, 100, start + SILENCE / 2) && seldom.has(true, 4, 100, start + SILENCE));
-        assert!(!seldom.has(true, 5, 100, start + SILENCE * 3 / 2), "the time counts from the last line");
+        let few = Lines { all: false, last: Cell::new(start) };
+        assert!(!few.selects(true, 3, 100, start + SILENCE / 2) && few.selects(true, 4, 100, start + SILENCE));
+        assert!(!few.selects(true, 5, 100, start + SILENCE * 3 / 2), "the time counts from the last line");
     }
 }

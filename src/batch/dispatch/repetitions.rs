@@ -17,7 +17,7 @@ use crate::batch::run::panic_capture;
 use crate::batch::run::run_timer::{Clock, Lap};
 use crate::batch::{Cancellation, Job, Plan, Reason};
 use crate::script::interruptible;
-use crate::sim::{NullObserver, Outcome, Setup, Simulation};
+use crate::sim::{NullObserver, Outcome, RunError, Setup, Simulation};
 
 /// Repeats each of these runs as often as its scenario requires and sends the times to `events`.
 pub(in crate::batch) fn repeat(plan: &Plan, runs: &[usize], gate: &Gate, events: &Sender<Event>) {
@@ -40,26 +40,26 @@ pub(in crate::batch) fn repeat(plan: &Plan, runs: &[usize], gate: &Gate, events:
     }
 }
 
-/// Times one repetition; an error message if it did not reach its end.
-fn time(job: &Job, cancellation: &Cancellation) -> Result<Lap, String> {
+/// Times one repetition; an error if it did not reach its end.
+fn time(job: &Job, cancellation: &Cancellation) -> Result<Lap, RunError> {
     let done = interruptible(cancellation.shared(), || advance(job, cancellation.flag()));
     // A cancelled run may fail with any error.
-    done.map_err(|message| match cancellation.reason() {
-        Some(Reason::TimedOut) => format!("{}: it used up its wall-clock time", Outcome::TimedOut.name()),
-        Some(Reason::Interrupted) => format!("{}: interrupted", Outcome::Cancelled.name()),
-        None => message,
+    done.map_err(|error| match cancellation.reason() {
+        Some(Reason::TimedOut) => RunError::new(Outcome::TimedOut, "it exceeded its wall-clock limit"),
+        Some(Reason::Interrupted) => RunError::new(Outcome::Cancelled, "interrupted"),
+        None => error,
     })
 }
 
-fn advance(job: &Job, cancel: &AtomicBool) -> Result<Lap, String> {
-    let setup = setup(&job.run, &job.robot).map_err(|errors| errors.to_string())?;
-    let mut simulation = Simulation::new(Setup { log_rate: 0.0, ..setup }).map_err(|stop| stop.message)?;
+fn advance(job: &Job, cancel: &AtomicBool) -> Result<Lap, RunError> {
+    let setup = setup(&job.run, &job.robot).map_err(RunError::internal)?;
+    let mut simulation = Simulation::new(Setup { log_rate: 0.0, ..setup })?;
     let clock = Clock::start();
     let (outcome, message) = simulation.run(&mut NullObserver, cancel);
     let lap = clock.lap();
     match outcome {
         Outcome::Passed | Outcome::Fallen => Ok(lap),
-        _ => Err(format!("{}: {message}", outcome.name())),
+        _ => Err(RunError::new(outcome, message)),
     }
 }
 
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn a_repetition_that_is_ended_ends_its_scripts_too() {
+    fn cancelling_a_repetition_cancels_its_scripts() {
         let folder = tempfile::tempdir().unwrap();
         let job = slow_to_load(folder.path()).job(0);
         let cost = |cancellation: &Cancellation| {
@@ -91,16 +91,16 @@ mod tests {
         };
         let (whole, full) = cost(&Cancellation::default());
         assert_eq!(whole, Ok(()));
-        for (reason, words) in [
-            (Reason::TimedOut, "timed-out: it used up its wall-clock time"),
+        for (reason, message) in [
+            (Reason::TimedOut, "timed-out: it exceeded its wall-clock limit"),
             (Reason::Interrupted, "cancelled: interrupted"),
         ] {
             let cancellation = Cancellation::default();
             cancellation.cancel(reason);
             let (ended, cpu) = cost(&cancellation);
-            assert_eq!(ended, Err(words.to_owned()));
+            assert_eq!(ended.map_err(|error| error.with_outcome()), Err(message.to_owned()));
             // Without the flag the script would take most of `full` before the first step.
-            assert!(cpu < 0.5 * full, "{cpu} s of processor time, {full} s when it is let go on");
+            assert!(cpu < 0.5 * full, "{cpu} s of processor time, {full} s when it is not cancelled");
         }
     }
 }

@@ -8,17 +8,10 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 use crate::batch::dispatch::cancellation::Gate;
 use crate::batch::dispatch::event::Work;
+use crate::batch::run::awaited_reference::AwaitedReference;
 use crate::batch::{Plan, Resumed};
 use crate::results::ReferenceMotion;
-
-/// The reference run that a run is compared with.
-#[derive(Clone, Debug)]
-pub(in crate::batch) struct AwaitedReference {
-    /// Its key.
-    pub key: String,
-    /// Its trajectory, or why there is none.
-    pub result: Result<Arc<ReferenceMotion>, String>,
-}
+use crate::sim::RunError;
 
 /// The work of a batch, taken by several threads.
 pub(in crate::batch) struct Schedule<'a> {
@@ -34,8 +27,8 @@ struct State {
 
 /// A reference run.
 struct Reference {
-    /// None until it has ended, and once no run needs it.
-    result: Option<Result<Arc<ReferenceMotion>, String>>,
+    /// None until it ends, and once no run needs it.
+    result: Option<Result<Arc<ReferenceMotion>, RunError>>,
     /// Runs that still need it.
     needed: usize,
 }
@@ -56,8 +49,8 @@ impl<'a> Schedule<'a> {
             waiting.push_back(Work::Run(index));
         }
         // References of finished runs exist unless their records were removed.
-        let lost = (0..references.len()).filter(|i| references[*i].needed == 0 && !resumed.references.is_done(*i));
-        waiting.extend(lost.map(Work::Reference));
+        let missing = (0..references.len()).filter(|i| references[*i].needed == 0 && !resumed.references.is_done(*i));
+        waiting.extend(missing.map(Work::Reference));
         Schedule { plan, state: Mutex::new(State { waiting, references }), changed: Condvar::new() }
     }
 
@@ -68,11 +61,12 @@ impl<'a> Schedule<'a> {
             if gate.is_closed() {
                 return None;
             }
-            let ready = state.waiting.iter().position(|work| self.needs(*work).is_none_or(|i| state.ended(i)));
+            let ready =
+                state.waiting.iter().position(|work| self.reference_of(*work).is_none_or(|i| state.has_ended(i)));
             if let Some(work) = ready.and_then(|at| state.waiting.remove(at)) {
-                let against = self.needs(work).and_then(|i| {
+                let against = self.reference_of(work).and_then(|i| {
                     let key = self.plan.reference_key(i);
-                    state.hand_out(i).map(|result| AwaitedReference { key, result })
+                    state.take_reference(i).map(|result| AwaitedReference { key, result })
                 });
                 return Some((work, against));
             }
@@ -85,7 +79,7 @@ impl<'a> Schedule<'a> {
     }
 
     /// Records the end of a reference and wakes waiting threads.
-    pub fn ended(&self, reference: usize, result: Result<ReferenceMotion, String>) {
+    pub fn end_reference(&self, reference: usize, result: Result<ReferenceMotion, RunError>) {
         let mut state = self.lock();
         let entry = &mut state.references[reference];
         if entry.result.is_none() && entry.needed > 0 {
@@ -94,27 +88,27 @@ impl<'a> Schedule<'a> {
         self.changed.notify_all();
     }
 
-    /// Reference that this work needs.
-    fn needs(&self, work: Work) -> Option<usize> {
+    /// Position of the reference that this work needs.
+    fn reference_of(&self, work: Work) -> Option<usize> {
         match work {
             Work::Run(index) => self.plan.reference_of(index),
             Work::Reference(_) | Work::Repetition(_) => None,
         }
     }
 
-    /// A panic of another thread never leaves the state inconsistent.
+    /// Locks the state; a panic of another thread never leaves it inconsistent.
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl State {
-    fn ended(&self, reference: usize) -> bool {
+    fn has_ended(&self, reference: usize) -> bool {
         self.references[reference].result.is_some()
     }
 
     /// Returns a reference's trajectory and drops it after the last run that needs it.
-    fn hand_out(&mut self, reference: usize) -> Option<Result<Arc<ReferenceMotion>, String>> {
+    fn take_reference(&mut self, reference: usize) -> Option<Result<Arc<ReferenceMotion>, RunError>> {
         let entry = &mut self.references[reference];
         entry.needed -= 1;
         if entry.needed == 0 { entry.result.take() } else { entry.result.clone() }

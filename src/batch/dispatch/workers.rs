@@ -4,6 +4,9 @@ use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Instant;
 
+use crate::results::ReferenceMotion;
+use crate::sim::RunError;
+
 use crate::batch::dispatch::cancellation::Gate;
 use crate::batch::dispatch::event::{Event, Work};
 use crate::batch::dispatch::schedule::Schedule;
@@ -37,10 +40,10 @@ pub(in crate::batch) fn work(
                 at: Instant::now(),
                 cancellation: cancellation.clone(),
             });
-            let mut waited_for = ReferenceGuard { schedule, work, result: None };
+            let mut guard = ReferenceGuard { schedule, work, result: None };
             let (finished, trajectory) = job_run::run(&job, options, &cancellation, body, against.as_ref());
-            waited_for.result = Some(trajectory);
-            drop(waited_for);
+            guard.result = Some(trajectory);
+            drop(guard);
             if !finished.accepted {
                 // Counted here: the dispatcher would be too late for this thread's next job.
                 gate.count_failure(options.max_fail);
@@ -54,13 +57,16 @@ pub(in crate::batch) fn work(
 struct ReferenceGuard<'a, 'p> {
     schedule: &'a Schedule<'p>,
     work: Work,
-    result: Option<Result<crate::results::ReferenceMotion, String>>,
+    result: Option<Result<ReferenceMotion, RunError>>,
 }
 
 impl Drop for ReferenceGuard<'_, '_> {
     fn drop(&mut self) {
         if let Work::Reference(index) = self.work {
-            self.schedule.ended(index, self.result.take().unwrap_or_else(|| Err("it broke off".into())));
+            self.schedule.end_reference(
+                index,
+                self.result.take().unwrap_or_else(|| Err(RunError::internal("its thread panicked"))),
+            );
         }
     }
 }

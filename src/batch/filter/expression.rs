@@ -8,12 +8,12 @@ use crate::results::ParamValue;
 /// An expression over one run.
 #[derive(Clone, Debug)]
 pub(super) enum Expression {
-    /// Two or more operands in one list, so that the tree is only as deep as its brackets.
+    /// Two or more operands; one list keeps the tree no deeper than its brackets.
     Any(Vec<Expression>),
     All(Vec<Expression>),
     Not(Box<Expression>),
     /// A comparison and its number in the text, from 0.
-    Holds(usize, Comparison),
+    Comparison(usize, Comparison),
 }
 
 /// Compares a property of a run with written values.
@@ -23,11 +23,11 @@ pub(super) struct Comparison {
     pub relation: Relation,
     /// At least one, all of one kind; several only with [`Relation::In`]. Patterns have `\` before
     /// literal characters, as in double quotes.
-    pub wanted: Vec<ParamValue>,
+    pub expected: Vec<ParamValue>,
     /// Range of the subject in the text.
     pub at: Range<usize>,
     /// Range of the right side.
-    pub wanted_at: Range<usize>,
+    pub expected_at: Range<usize>,
     /// Range of each value.
     pub values_at: Vec<Range<usize>>,
 }
@@ -75,13 +75,13 @@ impl Relation {
         Self::SIGNS.iter().find(|(_, relation)| *relation == self).map_or("in", |(sign, _)| sign)
     }
 
-    /// Does it need numbers?
-    pub fn orders(self) -> bool {
+    /// True if it needs numbers.
+    pub fn needs_numbers(self) -> bool {
         matches!(self, Relation::Less | Relation::AtMost | Relation::Greater | Relation::AtLeast)
     }
 
-    /// The sign after swapping both sides; none where swapping makes no sense.
-    pub fn turned(self) -> Option<&'static str> {
+    /// The sign after swapping both sides; none if the relation cannot be swapped.
+    pub fn swapped(self) -> Option<&'static str> {
         match self {
             Relation::Equal | Relation::Unequal => Some(self.sign()),
             Relation::Less => Some(">"),
@@ -92,27 +92,29 @@ impl Relation {
         }
     }
 
-    /// Does it test equality?
-    pub fn equals(self) -> bool {
+    /// True if it tests equality.
+    pub fn tests_equality(self) -> bool {
         matches!(self, Relation::Equal | Relation::Unequal | Relation::In)
     }
 
-    /// Does it take a pattern?
-    pub fn globs(self) -> bool {
+    /// True if it takes a pattern.
+    pub fn takes_pattern(self) -> bool {
         matches!(self, Relation::Like | Relation::Unlike)
     }
 
-    /// Does it need texts?
-    pub fn reads(self) -> bool {
+    /// True if it needs texts.
+    pub fn needs_texts(self) -> bool {
         matches!(self, Relation::Like | Relation::Unlike | Relation::Begins)
     }
 }
 
 impl Comparison {
-    /// Does it compare a parameter with words, which may be misspelt?
-    pub fn names_words(&self) -> bool {
-        let is_word = |value: &ParamValue| matches!(value, ParamValue::Text(_));
-        self.relation.equals() && matches!(self.subject, Subject::Parameter(_)) && self.wanted.iter().any(is_word)
+    /// True if it compares a parameter with texts, which may be misspelt.
+    pub fn names_texts(&self) -> bool {
+        let is_text = |value: &ParamValue| matches!(value, ParamValue::Text(_));
+        self.relation.tests_equality()
+            && matches!(self.subject, Subject::Parameter(_))
+            && self.expected.iter().any(is_text)
     }
 }
 
@@ -122,17 +124,17 @@ impl Expression {
         match self {
             Expression::Any(all) | Expression::All(all) => all.iter().flat_map(Expression::comparisons).collect(),
             Expression::Not(a) => a.comparisons(),
-            Expression::Holds(_, comparison) => vec![comparison],
+            Expression::Comparison(_, comparison) => vec![comparison],
         }
     }
 
     /// Evaluates the expression, given the result of each comparison.
-    pub fn value(&self, held: &[bool]) -> bool {
+    pub fn value(&self, results: &[bool]) -> bool {
         match self {
-            Expression::Any(all) => all.iter().any(|one| one.value(held)),
-            Expression::All(all) => all.iter().all(|one| one.value(held)),
-            Expression::Not(a) => !a.value(held),
-            Expression::Holds(index, _) => held[*index],
+            Expression::Any(all) => all.iter().any(|one| one.value(results)),
+            Expression::All(all) => all.iter().all(|one| one.value(results)),
+            Expression::Not(a) => !a.value(results),
+            Expression::Comparison(index, _) => results[*index],
         }
     }
 }
@@ -146,14 +148,14 @@ impl fmt::Display for Expression {
                 write!(f, "({})", all.join(word))
             }
             Expression::Not(a) => write!(f, "not {a}"),
-            Expression::Holds(_, Comparison { subject, relation, wanted, .. }) => {
+            Expression::Comparison(_, Comparison { subject, relation, expected, .. }) => {
                 let literal = |value: &ParamValue| match value {
                     // Patterns are stored as written in double quotes.
-                    ParamValue::Text(pattern) if relation.globs() => format!("\"{pattern}\""),
-                    ParamValue::Text(text) => super::parse::quoted(text),
+                    ParamValue::Text(pattern) if relation.takes_pattern() => format!("\"{pattern}\""),
+                    ParamValue::Text(text) => super::literal::quoted(text),
                     other => other.to_string(),
                 };
-                let values: Vec<String> = wanted.iter().map(literal).collect();
+                let values: Vec<String> = expected.iter().map(literal).collect();
                 match relation {
                     Relation::In => write!(f, "{subject} in [{}]", values.join(", ")),
                     _ => write!(f, "{subject} {} {}", relation.sign(), values.join(", ")),
@@ -169,7 +171,7 @@ impl fmt::Display for Subject {
             Subject::Name => f.write_str("name"),
             Subject::Key => f.write_str("key"),
             Subject::Parameter(path) => {
-                let segments: Vec<String> = path.iter().map(|s| super::parse::segment(s)).collect();
+                let segments: Vec<String> = path.iter().map(|s| super::literal::segment(s)).collect();
                 f.write_str(&segments.join("."))
             }
         }

@@ -16,10 +16,11 @@
 //!
 //! `~` matches a pattern with `*` and `?`, `^=` a prefix. The values of a list have one kind. A
 //! path refers to the run's resolved scenario, with defaults written out, numbers in SI units and
-//! angles in radians. Where that holds a table or list, the swept value of this name counts. A run
+//! angles in radians. If that value is a table or list, the swept value of this name is used. A run
 //! without a value there, or with one of another kind, satisfies no comparison with it.
 
 mod expression;
+mod literal;
 mod parse;
 mod plan_filter;
 mod select;

@@ -3,14 +3,15 @@
 use std::ops::Range;
 
 use super::expression::{Comparison, Expression, Relation, Subject};
+use super::literal::{is_bare, kind, quoted, same_kind};
 use crate::results::ParamValue;
 use crate::scenario::Diagnostic;
 
 /// Maximum nesting of brackets and negations, which bounds the stack.
-const DEEPEST: usize = 100;
+const MAX_DEPTH: usize = 100;
 
 /// Help for a keyword in capitals.
-const SMALL: &str = "it is written in small letters: `?`";
+const LOWER_CASE: &str = "write it in lower case: `?`";
 
 type Parsed<T> = Result<T, Box<Diagnostic>>;
 
@@ -28,43 +29,12 @@ pub(super) fn parse(text: &str) -> Parsed<Expression> {
     let expression = parser.any()?;
     match parser.rest() {
         "" => Ok(expression),
-        rest if rest.starts_with(')') => Err(parser.wrong("this bracket closes nothing", None)),
+        rest if rest.starts_with(')') => Err(parser.wrong("this bracket has no opening one", None)),
         _ => {
-            let help = parser.small(&["and", "or"]);
-            Err(parser.wrong("`and`, `or` or the end is wanted here", help))
+            let help = parser.lower_case_help(&["and", "or"]);
+            Err(parser.wrong("expected `and`, `or` or the end", help))
         }
     }
-}
-
-/// A path segment, in quotes unless it is a bare word other than a keyword.
-pub(super) fn segment(name: &str) -> String {
-    let is_word = !name.is_empty() && name.chars().all(is_bare);
-    if is_word && !["not", "name", "key"].contains(&name) { name.to_owned() } else { quoted(name) }
-}
-
-/// A quoted text: verbatim in single quotes, else escaped in double quotes.
-pub(super) fn quoted(text: &str) -> String {
-    if text.contains('"') && !text.contains('\'') {
-        return format!("'{text}'");
-    }
-    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
-}
-
-/// Name of a value's kind, for messages.
-pub(super) fn kind(value: &ParamValue) -> &'static str {
-    match value {
-        ParamValue::Integer(_) | ParamValue::Number(_) => "a number",
-        ParamValue::Flag(_) => "true or false",
-        ParamValue::Text(_) => "a text",
-    }
-}
-
-fn same_kind(a: &ParamValue, b: &ParamValue) -> bool {
-    kind(a) == kind(b)
-}
-
-fn is_bare(c: char) -> bool {
-    c.is_alphanumeric() || c == '_' || c == '-'
 }
 
 struct Parser<'a> {
@@ -78,7 +48,7 @@ impl<'a> Parser<'a> {
     fn any(&mut self) -> Parsed<Expression> {
         let first = self.all()?;
         let mut any = vec![first];
-        while self.word("or") || self.sign("||") {
+        while self.keyword("or") || self.sign("||") {
             any.push(self.all()?);
         }
         Ok(if any.len() == 1 { any.remove(0) } else { Expression::Any(any) })
@@ -87,15 +57,15 @@ impl<'a> Parser<'a> {
     fn all(&mut self) -> Parsed<Expression> {
         let first = self.one()?;
         let mut all = vec![first];
-        while self.word("and") || self.sign("&&") {
+        while self.keyword("and") || self.sign("&&") {
             all.push(self.one()?);
         }
         Ok(if all.len() == 1 { all.remove(0) } else { Expression::All(all) })
     }
 
     fn one(&mut self) -> Parsed<Expression> {
-        if self.depth == DEEPEST {
-            return Err(self.wrong(format!("more than {DEEPEST} brackets and negations inside each other"), None));
+        if self.depth == MAX_DEPTH {
+            return Err(self.wrong(format!("more than {MAX_DEPTH} nested brackets and negations"), None));
         }
         self.depth += 1;
         let one = self.bracket_or_comparison();
@@ -104,7 +74,7 @@ impl<'a> Parser<'a> {
     }
 
     fn bracket_or_comparison(&mut self) -> Parsed<Expression> {
-        if self.word("not") || (!self.rest().starts_with("!=") && !self.rest().starts_with("!~") && self.sign("!")) {
+        if self.keyword("not") || (!self.rest().starts_with("!=") && !self.rest().starts_with("!~") && self.sign("!")) {
             return Ok(Expression::Not(Box::new(self.one()?)));
         }
         let open = self.here();
@@ -116,10 +86,10 @@ impl<'a> Parser<'a> {
             return Ok(inner);
         }
         if self.rest().is_empty() {
-            return Err(super::error(self.text, open, "this bracket is never closed", None));
+            return Err(super::error(self.text, open, "this bracket is not closed", None));
         }
-        let help = self.small(&["and", "or"]);
-        Err(self.wrong("`and`, `or` or `)` is wanted here", help))
+        let help = self.lower_case_help(&["and", "or"]);
+        Err(self.wrong("expected `and`, `or` or `)`", help))
     }
 
     fn comparison(&mut self) -> Parsed<Expression> {
@@ -131,40 +101,46 @@ impl<'a> Parser<'a> {
         self.blanks();
         let start = self.at;
         let values = if relation == Relation::In { self.list() } else { self.value().map(|value| vec![value]) };
-        if let Some(turned) = self.turned(&at, relation, start, values.is_err()) {
-            return Err(turned);
+        if let Some(error) = self.swapped_sides(&at, relation, start, values.is_err()) {
+            return Err(error);
         }
         let values = values?;
-        let wanted_at = start..self.at;
+        let expected_at = start..self.at;
         if let Some(other) = values.iter().find(|other| !same_kind(&other.value, &values[0].value)) {
             let (this, first) = (kind(&other.value), kind(&values[0].value));
-            let help = "what is compared is of one kind, so the values of a list are too".to_owned();
+            let help = "all values of a list must be of one kind".to_owned();
             let message = format!("{this}, but the list begins with {first}");
             return Err(super::error(self.text, other.at.clone(), message, Some(help)));
         }
         let values_at = values.iter().map(|value| value.at.clone()).collect();
         let written = |written: Written| match written.pattern {
-            Some(pattern) if relation.globs() => ParamValue::Text(pattern),
+            Some(pattern) if relation.takes_pattern() => ParamValue::Text(pattern),
             _ => written.value,
         };
-        let wanted: Vec<ParamValue> = values.into_iter().map(written).collect();
+        let expected: Vec<ParamValue> = values.into_iter().map(written).collect();
         let fits = |value: &ParamValue| match value {
-            ParamValue::Text(_) => !relation.orders(),
-            ParamValue::Integer(_) | ParamValue::Number(_) => !relation.reads(),
-            ParamValue::Flag(_) => !relation.orders() && !relation.reads(),
+            ParamValue::Text(_) => !relation.needs_numbers(),
+            ParamValue::Integer(_) | ParamValue::Number(_) => !relation.needs_texts(),
+            ParamValue::Flag(_) => !relation.needs_numbers() && !relation.needs_texts(),
         };
-        if !wanted.iter().all(fits) {
-            let kind = if relation.orders() { "a number" } else { "a text in quotes" };
-            return Err(super::error(self.text, wanted_at, format!("{kind} is wanted here"), None));
+        if !expected.iter().all(fits) {
+            let kind = if relation.needs_numbers() { "a number" } else { "a text in quotes" };
+            return Err(super::error(self.text, expected_at, format!("expected {kind}"), None));
         }
         let index = self.comparisons;
         self.comparisons += 1;
-        Ok(Expression::Holds(index, Comparison { subject, relation, wanted, at, wanted_at, values_at }))
+        Ok(Expression::Comparison(index, Comparison { subject, relation, expected, at, expected_at, values_at }))
     }
 
     /// Detects swapped sides, as in `0.4 == floor.friction`: no path at `left` and one at `right`,
     /// or numbers on both sides. A quoted text may be a path, unless the right side is wrong.
-    fn turned(&self, left: &Range<usize>, relation: Relation, right: usize, wrong: bool) -> Option<Box<Diagnostic>> {
+    fn swapped_sides(
+        &self,
+        left: &Range<usize>,
+        relation: Relation,
+        right: usize,
+        wrong: bool,
+    ) -> Option<Box<Diagnostic>> {
         let word = &self.text[left.clone()];
         let is_number = word.starts_with(|c: char| c.is_ascii_digit() || c == '-') && word.parse::<f64>().is_ok();
         let is_value = is_number || (wrong && (word.starts_with(['"', '\'']) || ["true", "false"].contains(&word)));
@@ -174,8 +150,8 @@ impl<'a> Parser<'a> {
         if !(is_number || is_value && is_path) {
             return None;
         }
-        let help = relation.turned().filter(|_| is_path).map(|sign| format!("write `{path} {sign} {word}`"));
-        Some(super::error(self.text, left.clone(), "something of the run is wanted on the left side", help))
+        let help = relation.swapped().filter(|_| is_path).map(|sign| format!("write `{path} {sign} {word}`"));
+        Some(super::error(self.text, left.clone(), "expected a property of the run on the left side", help))
     }
 
     fn subject(&mut self) -> Parsed<Subject> {
@@ -187,9 +163,9 @@ impl<'a> Parser<'a> {
                 Some(c) if is_bare(c) => self.take_while(is_bare).to_owned(),
                 _ if path.is_empty() => {
                     let help = "such as `name`, `key` or `contact.method`".to_owned();
-                    return Err(self.wrong("something of the run is wanted here", Some(help)));
+                    return Err(self.wrong("expected a property of the run", Some(help)));
                 }
-                _ => return Err(self.wrong("the rest of the path is wanted here", None)),
+                _ => return Err(self.wrong("expected the rest of the path", None)),
             });
             if !self.text[self.at..].starts_with('.') {
                 break;
@@ -204,7 +180,7 @@ impl<'a> Parser<'a> {
     }
 
     fn relation(&mut self, subject: &Range<usize>) -> Parsed<Relation> {
-        if self.word("in") {
+        if self.keyword("in") {
             return Ok(Relation::In);
         }
         self.blanks();
@@ -216,24 +192,26 @@ impl<'a> Parser<'a> {
             None => {
                 let help = match self.rest().starts_with('=') {
                     true => "equal is `==`".to_owned(),
-                    false if self.text[subject.clone()].eq_ignore_ascii_case("not") => SMALL.replace('?', "not"),
-                    false => self.small(&["in"]).unwrap_or_else(|| "one of == != < <= > >= ~ !~ ^= in".to_owned()),
+                    false if self.text[subject.clone()].eq_ignore_ascii_case("not") => LOWER_CASE.replace('?', "not"),
+                    false => {
+                        self.lower_case_help(&["in"]).unwrap_or_else(|| "one of == != < <= > >= ~ !~ ^= in".to_owned())
+                    }
                 };
-                Err(self.wrong("a comparison is wanted here", Some(help)))
+                Err(self.wrong("expected a comparison operator", Some(help)))
             }
         }
     }
 
     fn list(&mut self) -> Parsed<Vec<Written>> {
         if !self.sign("[") {
-            return Err(self.wrong("a list such as [1, 2] is wanted here", None));
+            return Err(self.wrong("expected a list such as [1, 2]", None));
         }
         let mut values = vec![self.value()?];
         // As in TOML, a comma may follow the last one.
         while self.sign(",") && !self.rest().starts_with(']') {
             values.push(self.value()?);
         }
-        if self.sign("]") { Ok(values) } else { Err(self.wrong("`,` or `]` is wanted here", None)) }
+        if self.sign("]") { Ok(values) } else { Err(self.wrong("expected `,` or `]`", None)) }
     }
 
     fn value(&mut self) -> Parsed<Written> {
@@ -256,7 +234,7 @@ impl<'a> Parser<'a> {
             "false" => return Ok(ParamValue::Flag(false)),
             "" => {
                 self.at = start;
-                return Err(self.wrong("a value is wanted here", Some("a number, or a text in quotes".into())));
+                return Err(self.wrong("expected a value", Some("a number, or a text in quotes".into())));
             }
             _ => {}
         }
@@ -265,14 +243,14 @@ impl<'a> Parser<'a> {
         }
         match word.parse::<f64>() {
             Ok(number) if number.is_finite() => Ok(ParamValue::Number(number)),
-            Ok(_) => Err(wrong("a finite number is wanted here", None)),
+            Ok(_) => Err(wrong("expected a finite number", None)),
             Err(_) if word.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) => {
-                Err(wrong("this is no number", None))
+                Err(wrong("not a number", None))
             }
             Err(_) if ["true", "false"].iter().any(|flag| word.eq_ignore_ascii_case(flag)) => {
-                Err(wrong("a text stands in quotes", Some(SMALL.replace('?', &word.to_ascii_lowercase()))))
+                Err(wrong("expected text in quotes", Some(LOWER_CASE.replace('?', &word.to_ascii_lowercase()))))
             }
-            Err(_) => Err(wrong("a text stands in quotes", Some(format!("write {}", quoted(word))))),
+            Err(_) => Err(wrong("expected text in quotes", Some(format!("write {}", quoted(word))))),
         }
     }
 
@@ -301,7 +279,7 @@ impl<'a> Parser<'a> {
                 }
             }
         }
-        Err(super::error(self.text, start..self.text.len(), "this text is never closed", None))
+        Err(super::error(self.text, start..self.text.len(), "this text is not closed", None))
     }
 
     /// Skips blanks and returns the rest of the text.
@@ -314,9 +292,9 @@ impl<'a> Parser<'a> {
         self.take_while(char::is_whitespace);
     }
 
-    fn take_while(&mut self, wanted: impl Fn(char) -> bool) -> &'a str {
+    fn take_while(&mut self, accept: impl Fn(char) -> bool) -> &'a str {
         let rest = &self.text[self.at..];
-        let length = rest.find(|c| !wanted(c)).unwrap_or(rest.len());
+        let length = rest.find(|c| !accept(c)).unwrap_or(rest.len());
         self.at += length;
         &rest[..length]
     }
@@ -327,19 +305,22 @@ impl<'a> Parser<'a> {
         found
     }
 
-    /// Consumes a whole word, not the beginning of a longer word or path.
-    fn word(&mut self, word: &str) -> bool {
-        let after = self.rest().strip_prefix(word);
+    /// Consumes a keyword, not the beginning of a longer word or path.
+    fn keyword(&mut self, keyword: &str) -> bool {
+        let after = self.rest().strip_prefix(keyword);
         let found = after.is_some_and(|rest| !rest.starts_with(|c| is_bare(c) || c == '.'));
-        self.at += if found { word.len() } else { 0 };
+        self.at += if found { keyword.len() } else { 0 };
         found
     }
 
     /// Help if one of these keywords is written in capitals.
-    fn small(&mut self, words: &[&str]) -> Option<String> {
+    fn lower_case_help(&mut self, keywords: &[&str]) -> Option<String> {
         let rest = self.rest();
         let word = &rest[..rest.find(|c| !is_bare(c)).unwrap_or(rest.len())];
-        words.iter().find(|small| word.eq_ignore_ascii_case(small)).map(|small| SMALL.replace('?', small))
+        keywords
+            .iter()
+            .find(|keyword| word.eq_ignore_ascii_case(keyword))
+            .map(|keyword| LOWER_CASE.replace('?', keyword))
     }
 
     /// Range of the next character, or the end of the text.

@@ -11,10 +11,10 @@ impl Plan {
     /// A comparison applies to no run; the plan is unchanged.
     pub fn select(&mut self, filter: &Filter) -> Result<(), Box<Diagnostic>> {
         let mut selection = Selection::new(filter);
-        let taken: Vec<usize> =
+        let selected: Vec<usize> =
             self.jobs().filter(|job| selection.takes(&job.run, &job.key)).map(|job| job.index).collect();
         selection.end()?;
-        self.keep(&taken);
+        self.keep(&selected);
         Ok(())
     }
 }

@@ -4,8 +4,8 @@ use std::rc::Rc;
 
 use super::Filter;
 use super::expression::{Comparison, Subject};
-use super::parse::kind;
-use super::value::{Answer, Seen, refusal};
+use super::literal::kind;
+use super::value::{ComparisonResult, RunView, refusal};
 use crate::results::ParamValue;
 use crate::scenario::{Diagnostic, Run};
 use crate::text::suggest;
@@ -14,9 +14,10 @@ use crate::text::suggest;
 pub struct Selection<'a> {
     filter: &'a Filter,
     comparisons: Vec<(&'a Comparison, Met)>,
-    held: Vec<bool>,
+    /// Result of each comparison with the current run.
+    results: Vec<bool>,
     /// For each comparison: which values some run has, and a run with a value of their kind.
-    same: Vec<(Vec<bool>, Option<Rc<Run>>)>,
+    matched: Vec<(Vec<bool>, Option<Rc<Run>>)>,
     /// Parameter names, collected only while a comparison has met no value.
     names: Vec<String>,
 }
@@ -44,47 +45,48 @@ impl<'a> Selection<'a> {
     /// Starts a selection.
     pub fn new(filter: &'a Filter) -> Self {
         let comparisons: Vec<_> = filter.expression.comparisons().into_iter().map(|c| (c, Met::Nothing)).collect();
-        let held = vec![false; comparisons.len()];
-        let same = comparisons.iter().map(|(comparison, _)| (vec![false; comparison.wanted.len()], None)).collect();
-        Selection { filter, comparisons, held, same, names: Vec::new() }
+        let results = vec![false; comparisons.len()];
+        let matched =
+            comparisons.iter().map(|(comparison, _)| (vec![false; comparison.expected.len()], None)).collect();
+        Selection { filter, comparisons, results, matched, names: Vec::new() }
     }
 
-    /// Does the filter select this run?
+    /// True if the filter selects this run.
     pub fn takes(&mut self, run: &Run, key: &str) -> bool {
-        let mut seen = Seen::new(run, key);
-        let mut lost = false;
+        let mut view = RunView::new(run, key);
+        let mut unmatched = false;
         // All comparisons share one copy of the run.
         let mut shared: Option<Rc<Run>> = None;
-        let all = self.comparisons.iter_mut().zip(&mut self.held).zip(&mut self.same);
+        let all = self.comparisons.iter_mut().zip(&mut self.results).zip(&mut self.matched);
         for (((comparison, met), held), (same, example)) in all {
-            let now = match seen.answer(comparison, same) {
-                Answer::Held(yes) => {
+            let now = match view.evaluate(comparison, same) {
+                ComparisonResult::Held(yes) => {
                     *held = yes;
-                    if example.is_none() && comparison.names_words() {
+                    if example.is_none() && comparison.names_texts() {
                         *example = Some(shared.get_or_insert_with(|| Rc::new(run.clone())).clone());
                     }
                     *met = Met::Comparable;
                     continue;
                 }
-                Answer::Absent => Met::Nothing,
-                Answer::Composite(words) => Met::Composite(words),
-                Answer::OtherKind(value) => Met::OtherKind(value),
+                ComparisonResult::Absent => Met::Nothing,
+                ComparisonResult::Composite(help) => Met::Composite(help),
+                ComparisonResult::OtherKind(value) => Met::OtherKind(value),
             };
             *held = false;
             if now.rank() > met.rank() {
                 *met = now;
             }
-            lost |= matches!(met, Met::Nothing);
+            unmatched |= matches!(met, Met::Nothing);
         }
-        if lost {
-            seen.names(&mut self.names);
+        if unmatched {
+            view.names(&mut self.names);
             self.names.sort_unstable();
             self.names.dedup();
         }
-        self.filter.expression.value(&self.held)
+        self.filter.expression.value(&self.results)
     }
 
-    /// Checks that every comparison applied to some run and every unmatched word is possible.
+    /// Checks that every comparison applied to some run and every unmatched text is possible.
     ///
     /// # Errors
     /// The first violation, with a suggestion.
@@ -96,29 +98,29 @@ impl<'a> Selection<'a> {
             };
             match met {
                 Met::Comparable => {}
-                Met::Nothing => return wrong(format!("no run has a parameter `{name}`"), Some(self.meant(&name))),
-                Met::Composite(words) => {
-                    return wrong(format!("`{name}` is neither a number nor a text nor a flag"), Some(words.clone()));
+                Met::Nothing => return wrong(format!("no run has a parameter `{name}`"), Some(self.suggestion(&name))),
+                Met::Composite(help) => {
+                    return wrong(format!("`{name}` is not a number, a text or a flag"), Some(help.clone()));
                 }
                 Met::OtherKind(value) => {
-                    let message = format!("`{name}` is {}, such as {}", kind(value), shown(value));
-                    let help = format!("it cannot be compared with {}", kind(&comparison.wanted[0]));
-                    let at = comparison.wanted_at.clone();
+                    let message = format!("`{name}` is {}, such as {}", kind(value), display(value));
+                    let help = format!("it cannot be compared with {}", kind(&comparison.expected[0]));
+                    let at = comparison.expected_at.clone();
                     return Err(super::error(&self.filter.text, at, message, Some(help)));
                 }
             }
         }
-        self.words()
+        self.check_texts()
     }
 
-    /// Refuses a word that no run can have, such as "exct" for `contact.method`.
-    fn words(&self) -> Result<(), Box<Diagnostic>> {
-        for ((comparison, _), (same, example)) in self.comparisons.iter().zip(&self.same) {
+    /// Refuses a text that no run can have, such as "exct" for `contact.method`.
+    fn check_texts(&self) -> Result<(), Box<Diagnostic>> {
+        for ((comparison, _), (same, example)) in self.comparisons.iter().zip(&self.matched) {
             let (Subject::Parameter(path), Some(run)) = (&comparison.subject, example) else { continue };
-            let strange = comparison.wanted.iter().zip(&comparison.values_at).zip(same).filter(|(_, same)| !**same);
-            for ((wanted, at), _) in strange {
-                let ParamValue::Text(word) = wanted else { continue };
-                if let Some(wrong) = refusal(run, path, word) {
+            let unmatched = comparison.expected.iter().zip(&comparison.values_at).zip(same).filter(|(_, same)| !**same);
+            for ((expected, at), _) in unmatched {
+                let ParamValue::Text(text) = expected else { continue };
+                if let Some(wrong) = refusal(run, path, text) {
                     return Err(super::error(&self.filter.text, at.clone(), wrong.message, wrong.help));
                 }
             }
@@ -127,7 +129,7 @@ impl<'a> Selection<'a> {
     }
 
     /// Suggests the nearest name, else one with the same last segment, else where to find names.
-    fn meant(&self, name: &str) -> String {
+    fn suggestion(&self, name: &str) -> String {
         let known = ["name", "key"].into_iter().chain(self.names.iter().map(String::as_str));
         let near = suggest(name, known);
         if near.starts_with("did you mean") {
@@ -136,14 +138,14 @@ impl<'a> Selection<'a> {
         let last = |path: &str| path.rsplit('.').next().unwrap_or(path).to_owned();
         match self.names.iter().find(|other| last(other) == last(name)) {
             Some(other) => format!("did you mean `{other}`?"),
-            None => "a path into the scenario with its defaults, which `run.json` has under `resolved`".into(),
+            None => "parameters are paths into the resolved scenario, `resolved` in `run.json`".into(),
         }
     }
 }
 
-fn shown(value: &ParamValue) -> String {
+fn display(value: &ParamValue) -> String {
     match value {
-        ParamValue::Text(text) => super::parse::quoted(text),
+        ParamValue::Text(text) => super::literal::quoted(text),
         other => other.to_string(),
     }
 }

@@ -6,7 +6,7 @@ use crate::scenario::{Diagnostic, Run, parse, segment};
 use crate::text::pattern::matches;
 
 /// Result of one comparison with one run.
-pub(super) enum Answer {
+pub(super) enum ComparisonResult {
     /// The run has no value there.
     Absent,
     /// The value is not a number, text or flag; help on what to name instead.
@@ -17,40 +17,40 @@ pub(super) enum Answer {
 }
 
 /// View of a run for comparisons.
-pub(super) struct Seen<'a> {
+pub(super) struct RunView<'a> {
     run: &'a Run,
     key: &'a str,
     /// The resolved scenario, built on first use.
     table: Option<toml::Value>,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> RunView<'a> {
     pub fn new(run: &'a Run, key: &'a str) -> Self {
-        Seen { run, key, table: None }
+        RunView { run, key, table: None }
     }
 
     /// Evaluates a comparison; sets `same` where the run's value equals an expected value.
-    pub fn answer(&mut self, comparison: &Comparison, same: &mut [bool]) -> Answer {
+    pub fn evaluate(&mut self, comparison: &Comparison, same: &mut [bool]) -> ComparisonResult {
         let value = match &comparison.subject {
             Subject::Name => ParamValue::Text(self.run.name.clone()),
             Subject::Key => ParamValue::Text(self.key.to_owned()),
             Subject::Parameter(path) => match self.parameter(path) {
                 Ok(value) => value,
-                Err(answer) => return answer,
+                Err(result) => return result,
             },
         };
-        same.iter_mut().zip(&comparison.wanted).for_each(|(same, wanted)| *same |= value == *wanted);
-        let mut answers = comparison.wanted.iter().map(|wanted| compare(&value, comparison.relation, wanted));
+        same.iter_mut().zip(&comparison.expected).for_each(|(same, expected)| *same |= value == *expected);
+        let mut results = comparison.expected.iter().map(|expected| compare(&value, comparison.relation, expected));
         match comparison.relation {
-            Relation::In => match answers.by_ref().flatten().reduce(|a, b| a || b) {
-                Some(held) => Answer::Held(held),
-                None => Answer::OtherKind(value),
+            Relation::In => match results.by_ref().flatten().reduce(|a, b| a || b) {
+                Some(held) => ComparisonResult::Held(held),
+                None => ComparisonResult::OtherKind(value),
             },
-            _ => answers.next().flatten().map_or(Answer::OtherKind(value), Answer::Held),
+            _ => results.next().flatten().map_or(ComparisonResult::OtherKind(value), ComparisonResult::Held),
         }
     }
 
-    fn parameter(&mut self, path: &[String]) -> Result<ParamValue, Answer> {
+    fn parameter(&mut self, path: &[String]) -> Result<ParamValue, ComparisonResult> {
         let resolved = match lookup(self.table(), path) {
             Some(value) => match scalar(value) {
                 Some(value) => return Ok(value),
@@ -62,8 +62,8 @@ impl<'a> Seen<'a> {
         let swept = self.run.parameters.iter().find(|(other, _)| *other == name);
         match (swept.and_then(|(_, value)| scalar(value)), resolved) {
             (Some(value), _) => Ok(value),
-            (None, Some(value)) => Err(Answer::Composite(inner(&name, &value))),
-            (None, None) => Err(Answer::Absent),
+            (None, Some(value)) => Err(ComparisonResult::Composite(values_help(&name, &value))),
+            (None, None) => Err(ComparisonResult::Absent),
         }
     }
 
@@ -76,26 +76,27 @@ impl<'a> Seen<'a> {
 
     fn table(&mut self) -> &toml::Value {
         let run = self.run;
-        // Planning wrote it out already; a run that cannot be written has no parameters.
-        let made = || toml::Value::try_from(&run.scenario).unwrap_or_else(|_| toml::Value::Table(toml::Table::new()));
-        self.table.get_or_insert_with(made)
+        // Planning serialized the scenario without an error.
+        let resolve =
+            || toml::Value::try_from(&run.scenario).unwrap_or_else(|_| toml::Value::Table(toml::Table::new()));
+        self.table.get_or_insert_with(resolve)
     }
 }
 
-/// The scenario's error for this word at this path, where `run` has a text; none if allowed.
-pub(super) fn refusal(run: &Run, path: &[String], word: &str) -> Option<Diagnostic> {
+/// The scenario's error for this text at this path, where `run` has a text; none if allowed.
+pub(super) fn refusal(run: &Run, path: &[String], text: &str) -> Option<Diagnostic> {
     let path = path.iter().map(|s| segment(s)).collect::<Vec<_>>().join(".");
     let file = parse(&run.file, run.resolved_toml.as_str()).ok()?;
-    let refused = file.expand(&[(path, toml::Value::String(word.to_owned()))]).err()?;
-    // Other errors, such as a missing file, need not occur for another run.
+    let refused = file.expand(&[(path, toml::Value::String(text.to_owned()))]).err()?;
+    // Other errors, such as a missing file, may not occur for another run.
     let is_choice =
-        |wrong: &Diagnostic| wrong.file == "--set" && wrong.message.ends_with(&format!("cannot be {word:?}"));
+        |wrong: &Diagnostic| wrong.file == "--set" && wrong.message.ends_with(&format!("cannot be {text:?}"));
     refused.0.into_iter().find(is_choice)
 }
 
 /// Evaluates the relation; none if the two cannot be compared.
-fn compare(value: &ParamValue, relation: Relation, wanted: &ParamValue) -> Option<bool> {
-    let equal = match (value, wanted) {
+fn compare(value: &ParamValue, relation: Relation, expected: &ParamValue) -> Option<bool> {
+    let equal = match (value, expected) {
         (ParamValue::Text(a), ParamValue::Text(b)) => match relation {
             Relation::Like => return Some(matches(b, a)),
             Relation::Unlike => return Some(!matches(b, a)),
@@ -103,7 +104,7 @@ fn compare(value: &ParamValue, relation: Relation, wanted: &ParamValue) -> Optio
             _ => a == b,
         },
         (ParamValue::Flag(a), ParamValue::Flag(b)) => a == b,
-        (ParamValue::Integer(a), ParamValue::Integer(b)) if !relation.orders() => a == b,
+        (ParamValue::Integer(a), ParamValue::Integer(b)) if !relation.needs_numbers() => a == b,
         (a, b) => {
             let (a, b) = (a.number()?, b.number()?);
             match relation {
@@ -140,14 +141,14 @@ fn scalar(value: &toml::Value) -> Option<ParamValue> {
     }
 }
 
-/// Help: what to name instead of a table or list.
-fn inner(name: &str, value: &toml::Value) -> String {
+/// Help for a table or list: the values in it.
+fn values_help(name: &str, value: &toml::Value) -> String {
     let mut names = Vec::new();
     leaves(value, name.to_owned(), &mut names);
     match names.as_slice() {
         [] => "it is empty".into(),
-        [one] => format!("name what is in it: `{one}`"),
-        [first, .., last] => format!("name what is in it, from `{first}` to `{last}`"),
+        [one] => format!("name the value in it: `{one}`"),
+        [first, .., last] => format!("name a value in it, from `{first}` to `{last}`"),
     }
 }
 

@@ -6,9 +6,10 @@ use std::time::{Duration, Instant};
 
 use crate::batch::{BatchError, Finished, Job, Listener, Plan, Role};
 use crate::files::names::BATCH_FILES;
-use crate::files::{Made, RecordError, may_replace};
+use crate::files::{OutputKind, RecordError, check_replaceable};
 use crate::results::{JunitCase, JunitStatus, Verdict, write_junit};
 use crate::sim::Outcome;
+use crate::text::plural::plural;
 
 /// Observes a batch and writes the outcome of every planned run.
 pub struct Junit {
@@ -41,18 +42,18 @@ impl Junit {
                 std::io::Error::new(std::io::ErrorKind::InvalidInput, "is a file of the results: choose another");
             return Err(RecordError::io(path)(source).into());
         }
-        may_replace(path, Made::Junit)?;
+        check_replaceable(path, OutputKind::Junit)?;
         let mut names = HashMap::new();
         for job in plan.jobs() {
             *names.entry((job.run.name.clone(), name(&job))).or_insert(0) += 1;
         }
         let case = |job: Job| {
-            let plain = name(&job);
-            let shared = names.get(&(job.run.name.clone(), plain.clone())).is_some_and(|count| *count > 1);
+            let label = name(&job);
+            let shared = names.get(&(job.run.name.clone(), label.clone())).is_some_and(|count| *count > 1);
             JunitCase {
                 suite: job.run.name.clone(),
                 // A name without the key identifies a case across batches.
-                name: if shared { format!("{plain} {}", job.key) } else { plain },
+                name: if shared { format!("{label} {}", job.key) } else { label },
                 time: None,
                 status: JunitStatus::Skipped { message: "not started".into() },
                 properties: vec![("key", job.key.clone()), ("file", job.run.file.display().to_string())],
@@ -84,24 +85,30 @@ impl Junit {
         write_junit(&self.path, &cases, self.since.elapsed())?;
         Ok(self.path)
     }
+
+    fn case(&mut self, job: &Job) -> Option<&mut JunitCase> {
+        let cases = if job.role == Role::Reference { &mut self.references } else { &mut self.runs };
+        cases.get_mut(job.index)
+    }
 }
 
 impl Listener for Junit {
-    fn kept(&mut self, job: &Job, finished: &Finished) {
+    fn resumed(&mut self, job: &Job, finished: &Finished) {
         self.finished(job, finished);
-        let cases = if job.role == Role::Reference { &mut self.references } else { &mut self.runs };
-        cases.iter_mut().skip(job.index).take(1).for_each(|case| case.properties.push(("resumed", "true".into())));
+        if let Some(case) = self.case(job) {
+            case.properties.push(("resumed", "true".into()));
+        }
     }
 
     fn finished(&mut self, job: &Job, finished: &Finished) {
-        let cases = if job.role == Role::Reference { &mut self.references } else { &mut self.runs };
-        let Some(case) = cases.get_mut(job.index) else { return };
+        let (slow, folder) = (self.slow, job.folder(&self.output));
+        let Some(case) = self.case(job) else { return };
         let row = &finished.row;
         case.time = Duration::try_from_secs_f64(row.wall_s).ok();
         case.status = status(finished);
         case.properties.push(("outcome", row.outcome.name().into()));
-        case.properties.push(("folder", job.folder(&self.output).display().to_string()));
-        if is_slow(self.slow, row.wall_s) {
+        case.properties.push(("folder", folder.display().to_string()));
+        if is_slow(slow, row.wall_s) {
             case.properties.push(("slow", "true".into()));
         }
         case.output.clone_from(&finished.notes);
@@ -111,20 +118,20 @@ impl Listener for Junit {
     }
 }
 
-/// Will the batch use this path as a folder: of the results, a parent of it, or of a scenario?
+/// True if the batch uses this path as a folder: of the results, a parent of it, or of a scenario.
 fn becomes_folder(path: &Path, plan: &Plan, output: &Path) -> bool {
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let (path, output) = (absolute(path), absolute(output));
     output.starts_with(&path) || plan.scenarios().any(|name| output.join(name) == path)
 }
 
-/// Is the file directly in the folder?
+/// True if the file is directly in the folder.
 fn is_at(path: &Path, folder: &Path) -> bool {
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     matches!((parent.canonicalize(), folder.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
-/// Did a run take longer than the limit?
+/// True if a run took longer than the limit.
 pub fn is_slow(limit: Option<Duration>, wall_s: f64) -> bool {
     limit.is_some_and(|limit| wall_s > limit.as_secs_f64())
 }
@@ -142,24 +149,24 @@ fn status(finished: &Finished) -> JunitStatus {
     match row.outcome {
         Outcome::Passed | Outcome::Failed | Outcome::Fallen => {
             let broken: Vec<&Verdict> = row.verdicts.iter().filter(|v| !v.held).collect();
-            let plural = if broken.len() == 1 { "expectation" } else { "expectations" };
-            let message = format!("{} broken {plural} of {}: {}", broken.len(), row.verdicts.len(), row.message);
+            let count = plural(broken.len(), "broken expectation");
+            let message = format!("{count} of {}: {}", row.verdicts.len(), row.message);
             JunitStatus::Failed { message, detail: broken.into_iter().map(detail).collect::<Vec<_>>().join("\n") }
         }
         // A cancelled run has no result.
         Outcome::Cancelled => JunitStatus::Skipped { message: "interrupted".into() },
         outcome => {
-            let said = Some(&row.message).filter(|message| !message.is_empty()).map(String::as_str);
             let kind = outcome.name();
-            JunitStatus::Error { kind: kind.into(), message: said.unwrap_or(kind).into() }
+            let message = if row.message.is_empty() { kind } else { &row.message };
+            JunitStatus::Error { kind: kind.into(), message: message.into() }
         }
     }
 }
 
-/// `final_base_x: measured 0.4, wanted 0.5 +- 0.01, error -0.1`
+/// `final_base_x: measured 0.4, expected 0.5 +- 0.01, error -0.1`
 fn detail(verdict: &Verdict) -> String {
     let number = |x: Option<f64>| x.map_or_else(|| "nothing".to_owned(), |x| format!("{x:?}"));
-    let wanted = match (verdict.truth, verdict.allowed, verdict.min, verdict.max) {
+    let expected = match (verdict.truth, verdict.allowed, verdict.min, verdict.max) {
         (Some(truth), allowed, ..) => format!("{truth:?} +- {:?}", allowed.unwrap_or(0.0)),
         (None, _, Some(min), Some(max)) => format!("{min:?} to {max:?}"),
         (None, _, Some(min), None) => format!("at least {min:?}"),
@@ -168,5 +175,5 @@ fn detail(verdict: &Verdict) -> String {
         (None, _, None, None) => return format!("{}: {}", verdict.metric, verdict.message),
     };
     let error = verdict.error.map_or_else(String::new, |e| format!(", error {e:?}"));
-    format!("{}: measured {}, wanted {wanted}{error}", verdict.metric, number(verdict.measured))
+    format!("{}: measured {}, expected {expected}{error}", verdict.metric, number(verdict.measured))
 }

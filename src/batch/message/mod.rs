@@ -32,17 +32,17 @@ pub struct Line {
     message: Message,
 }
 
-/// Something that happened.
+/// An event of a batch or check.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 #[serde(tag = "event", rename_all = "kebab-case")]
 pub enum Message {
-    /// Something is to be said about a scenario or a robot, before anything runs.
+    /// An error, warning or note about a scenario or robot, before anything runs.
     Diagnostic(DiagnosticMessage),
-    /// Everything is checked and runs are about to start.
+    /// All inputs are checked and runs are about to start.
     BatchStarted(BatchStarted),
     /// A run began.
     RunStarted(RunMessage),
-    /// A run has been going for longer than `--slow` and is not at its end; told once.
+    /// An active run exceeds `--slow`; sent once per run.
     RunSlow(RunSlow),
     /// A run ended and its files are written.
     RunFinished(Box<RunFinished>),
@@ -52,7 +52,7 @@ pub enum Message {
     CheckFinished(CheckFinished),
 }
 
-/// Something to say about a scenario or a robot.
+/// An error, warning or note about a scenario or robot.
 #[derive(Clone, Debug, Default, Serialize, JsonSchema)]
 pub struct DiagnosticMessage {
     /// `error`, `warning` or `note`.
@@ -60,17 +60,17 @@ pub struct DiagnosticMessage {
     pub severity: &'static str,
     /// What is wrong, in a line.
     pub message: String,
-    /// The file, as it was named; `--set` or `--filter` for what was typed there.
+    /// The file, as given; `--set` or `--filter` for the text of these options.
     pub file: Option<String>,
     /// Line, from 1.
     pub line: Option<usize>,
     /// Column in characters, from 1.
     pub column: Option<usize>,
-    /// Dotted path of the key it is about, or the element of a robot file.
+    /// Dotted path of the key, or the element of a robot file.
     pub key: Option<String>,
-    /// What to do about it.
+    /// How to fix it.
     pub help: Option<String>,
-    /// All of this as people see it, over several lines.
+    /// The complete text for a terminal, in several lines.
     pub rendered: String,
 }
 
@@ -81,17 +81,17 @@ pub struct BatchStarted {
     pub program: &'static str,
     /// Scenario files.
     pub files: Vec<String>,
-    /// How many runs.
+    /// Number of runs.
     pub runs: usize,
-    /// How many reference runs, which others are compared with.
+    /// Number of reference runs, which others are compared with.
     pub references: usize,
-    /// How many at a time.
+    /// Maximum number of simultaneous runs.
     pub jobs: usize,
     /// Folder of the results.
     pub output: String,
 }
 
-/// Which run.
+/// A run.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct RunMessage {
     /// Name of the scenario.
@@ -100,9 +100,9 @@ pub struct RunMessage {
     pub file: String,
     /// Key of the run.
     pub key: String,
-    /// What distinguishes it from the other runs of its file, for people; may be empty.
+    /// Label that distinguishes it from the other runs of its file; may be empty.
     pub label: String,
-    /// Is it a reference run?
+    /// True for a reference run.
     pub reference: bool,
     /// Seed.
     pub seed: u64,
@@ -110,70 +110,70 @@ pub struct RunMessage {
     pub parameters: BTreeMap<String, ParamValue>,
 }
 
-/// A run that takes its time.
+/// An active run that exceeds `--slow`.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct RunSlow {
     #[serde(flatten)]
     pub run: RunMessage,
-    /// Longer than this, wall clock, s.
+    /// The limit, wall-clock s.
     pub after_s: f64,
 }
 
-/// What a run came to.
+/// A finished run.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct RunFinished {
     #[serde(flatten)]
     pub run: RunMessage,
-    /// How it ended.
+    /// Outcome.
     #[schemars(schema_with = "outcomes")]
     pub outcome: &'static str,
-    /// Did it end as it should: in the way that is expected, every expectation held?
+    /// True if the run ended as expected and every expectation held.
     pub accepted: bool,
-    /// Why, when there is something to say.
+    /// Reason of the outcome; may be empty.
     pub message: String,
-    /// Was it made by an earlier batch that `--resume` goes on with? Then no `run-started` came before.
+    /// True for a result of an earlier batch, kept by `--resume`; no `run-started` precedes it.
     pub resumed: bool,
-    /// Did it take longer than `--slow`?
+    /// True if it took longer than `--slow`.
     pub slow: bool,
-    /// Expectations in the order of the file; none where the run did not get so far as to be judged.
+    /// Expectations in the order of the file; empty if the run ended before they were evaluated.
     pub expectations: Vec<Verdict>,
     /// The numeric columns of the summary under their names; null is an empty cell.
     pub metrics: BTreeMap<String, Measure>,
     /// Folder of its records.
     pub folder: String,
-    /// The files it left.
+    /// Files that it wrote.
     pub files: Vec<String>,
-    /// What else there is to tell a person.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
-/// What a batch came to.
+/// A finished batch.
 #[derive(Clone, Debug, Default, Serialize, JsonSchema)]
 pub struct BatchFinished {
     /// Exit code of the program.
     pub exit_code: u8,
-    /// What went wrong with the batch as a whole.
+    /// Error of the batch as a whole.
     pub error: Option<String>,
-    /// How many runs have ended in each way.
+    /// Number of runs by outcome.
     pub outcomes: BTreeMap<&'static str, usize>,
     /// Runs that were never started.
     pub not_started: usize,
-    /// Was it interrupted?
+    /// True if it was interrupted.
     pub interrupted: bool,
     /// Files about the batch as a whole.
     pub files: Vec<String>,
 }
 
-/// What a check came to.
+/// A finished check.
 #[derive(Clone, Debug, Default, Serialize, JsonSchema)]
 pub struct CheckFinished {
     /// Exit code of the program.
     pub exit_code: u8,
     /// Scenario files.
     pub files: Vec<String>,
-    /// How many runs they expand to.
+    /// Number of runs they expand to.
     pub runs: usize,
-    /// How many reference runs these need.
+    /// Number of reference runs these need.
     pub references: usize,
 }
 
@@ -184,7 +184,7 @@ fn outcomes(_: &mut schemars::SchemaGenerator) -> Schema {
 impl Message {
     /// The message as a line, with its line break.
     pub fn line(self) -> String {
-        // Map keys are texts, and numbers that JSON lacks are written as texts.
+        // Never an error: map keys are texts, and numbers that JSON lacks are written as texts.
         let line = serde_json::to_string(&Line { schema: MESSAGE_SCHEMA, message: self });
         line.map_or_else(|error| format!("{{\"error\":\"{error}\"}}\n"), |line| line + "\n")
     }

@@ -1,6 +1,6 @@
 //! Writes jobs and their outcomes as messages.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::{BatchFinished, BatchStarted, Message, RunFinished, RunMessage, RunSlow};
@@ -10,40 +10,40 @@ use crate::results::{NUMERIC_COLUMNS, PROGRAM, measure, truth_columns};
 /// Converts events to message lines and passes them to a callback.
 pub struct MessageWriter<F: FnMut(String)> {
     options: Options,
-    hand_on: F,
+    write: F,
 }
 
 impl<F: FnMut(String)> MessageWriter<F> {
     /// `options` are those of the batch.
-    pub fn new(options: &Options, hand_on: F) -> Self {
-        MessageWriter { options: options.clone(), hand_on }
+    pub fn new(options: &Options, write: F) -> Self {
+        MessageWriter { options: options.clone(), write }
     }
 
-    fn tell(&mut self, message: Message) {
-        (self.hand_on)(message.line());
+    fn emit(&mut self, message: Message) {
+        (self.write)(message.line());
     }
 }
 
 impl<F: FnMut(String)> Listener for MessageWriter<F> {
     fn started(&mut self, job: &Job) {
-        self.tell(Message::RunStarted(job.into()));
+        self.emit(Message::RunStarted(job.into()));
     }
 
     fn slow(&mut self, job: &Job, after: Duration) {
-        self.tell(Message::RunSlow(RunSlow { run: job.into(), after_s: after.as_secs_f64() }));
+        self.emit(Message::RunSlow(RunSlow { run: job.into(), after_s: after.as_secs_f64() }));
     }
 
-    fn kept(&mut self, job: &Job, finished: &Finished) {
-        self.tell_finished(job, finished, true);
+    fn resumed(&mut self, job: &Job, finished: &Finished) {
+        self.emit_finished(job, finished, true);
     }
 
     fn finished(&mut self, job: &Job, finished: &Finished) {
-        self.tell_finished(job, finished, false);
+        self.emit_finished(job, finished, false);
     }
 }
 
 impl<F: FnMut(String)> MessageWriter<F> {
-    fn tell_finished(&mut self, job: &Job, finished: &Finished, resumed: bool) {
+    fn emit_finished(&mut self, job: &Job, finished: &Finished, resumed: bool) {
         let row = &finished.row;
         let truths = truth_columns(std::slice::from_ref(row));
         let columns = NUMERIC_COLUMNS.into_iter().chain(truths.iter().map(String::as_str));
@@ -60,7 +60,7 @@ impl<F: FnMut(String)> MessageWriter<F> {
             files: finished.files.iter().map(|file| file.display().to_string()).collect(),
             notes: finished.notes.clone(),
         };
-        self.tell(Message::RunFinished(Box::new(message)));
+        self.emit(Message::RunFinished(Box::new(message)));
     }
 }
 
@@ -102,7 +102,7 @@ impl BatchFinished {
         };
         finished.outcomes.extend(report.statistics.outcomes());
         let summary = report.summary.iter().flat_map(|files| [&files.csv, &files.parquet]);
-        let own = summary.chain(&report.page).chain([&report.runs_log]).map(|path| path.as_path());
+        let own = summary.chain(&report.page).chain([&report.runs_log]).map(PathBuf::as_path);
         finished.files = own.chain(junit).map(|path| path.display().to_string()).collect();
         finished
     }

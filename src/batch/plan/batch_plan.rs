@@ -37,7 +37,7 @@ pub(in crate::batch) struct Ticket {
     pub number: u32,
     /// Position of its reference, or [`NONE`].
     pub reference: u32,
-    /// How often it is repeated to time it.
+    /// Number of repetitions for timing.
     pub repetitions: u32,
 }
 
@@ -54,10 +54,10 @@ pub(in crate::batch) struct Source {
 /// Combined traits of the runs of a file.
 #[derive(Clone, Copy, Default)]
 pub(in crate::batch) struct Traits {
-    /// Do they have different seeds?
+    /// True if their seeds differ.
     pub repeated: bool,
-    /// Does any of them drive a remote robot?
-    pub elsewhere: bool,
+    /// True if any of them drives a remote robot.
+    pub remote: bool,
 }
 
 impl Plan {
@@ -67,10 +67,10 @@ impl Plan {
     }
 
     /// Number of runs, references and repetitions in files that drive a remote robot.
-    pub fn visits(&self) -> usize {
+    pub fn remote_runs(&self) -> usize {
         let all = self.runs.iter().chain(&self.references);
-        let visits = all.filter(|ticket| self.sources[ticket.source as usize].kind.elsewhere);
-        visits.map(|ticket| 1 + ticket.repetitions as usize).sum()
+        let remote = all.filter(|ticket| self.sources[ticket.source as usize].kind.remote);
+        remote.map(|ticket| 1 + ticket.repetitions as usize).sum()
     }
 
     /// Number of references.
@@ -80,19 +80,17 @@ impl Plan {
 
     /// Sets the swept parameters that runs report: a resolved scenario sweeps nothing.
     pub(crate) fn set_swept_parameters(&mut self, parameters: &[(String, ParamValue)]) {
-        self.swept = Some(parameters.iter().map(|(name, value)| (name.clone(), written_out(value))).collect());
+        self.swept = Some(parameters.iter().map(|(name, value)| (name.clone(), to_toml(value))).collect());
     }
 
     /// Builds the run at a position.
     pub fn job(&self, index: usize) -> Job {
-        let ticket = self.runs[index];
-        let reference = Some(ticket.reference).filter(|r| *r != NONE).map(|r| r as usize);
-        self.make(index, ticket, Role::Run { reference })
+        self.build(index, self.runs[index], Role::Run { reference: self.reference_of(index) })
     }
 
     /// Builds the reference at a position.
     pub fn reference(&self, index: usize) -> Job {
-        self.make(index, self.references[index], Role::Reference)
+        self.build(index, self.references[index], Role::Reference)
     }
 
     /// Builds all runs in order, one at a time.
@@ -102,7 +100,7 @@ impl Plan {
 
     /// The key of the run at a position.
     pub fn key(&self, index: usize) -> String {
-        written(self.runs[index].key)
+        key_text(self.runs[index].key)
     }
 
     /// Names of the scenarios.
@@ -117,7 +115,7 @@ impl Plan {
 
     /// The key of the reference at a position.
     pub fn reference_key(&self, index: usize) -> String {
-        written(self.references[index].key)
+        key_text(self.references[index].key)
     }
 
     /// Position of the reference that a run is compared with.
@@ -140,7 +138,7 @@ impl Plan {
         self.runs.iter().map(|ticket| ticket.repetitions as usize).sum()
     }
 
-    /// How often the run at a position is repeated to time it.
+    /// Number of repetitions for timing of the run at a position.
     pub(in crate::batch) fn repetitions_of(&self, index: usize) -> u32 {
         self.runs[index].repetitions
     }
@@ -162,7 +160,7 @@ impl Plan {
         (self.runs, self.references) = (runs, needed);
     }
 
-    fn make(&self, index: usize, ticket: Ticket, role: Role) -> Job {
+    fn build(&self, index: usize, ticket: Ticket, role: Role) -> Job {
         let source = &self.sources[ticket.source as usize];
         let run = source.expansion.run(ticket.number as usize);
         let run = if role == Role::Reference { run.and_then(|run| run.reference).map(|run| *run) } else { run };
@@ -174,7 +172,7 @@ impl Plan {
         let path = run.resolve(&run.scenario.robot.model);
         let mut robots = self.robots.lock().unwrap_or_else(PoisonError::into_inner);
         let robot = robots.get(&path, &run.scenario.robot).0.expect("a robot that has been loaded");
-        let key = written(ticket.key);
+        let key = key_text(ticket.key);
         let label =
             if role == Role::Reference { format!("reference {key}") } else { label(&run, source.kind.repeated) };
         Job { index, run, robot, key, label, role }
@@ -188,7 +186,7 @@ impl std::fmt::Debug for Plan {
 }
 
 /// Formats a key, the first 64 bits of a hash, as hexadecimal.
-fn written(key: u64) -> String {
+fn key_text(key: u64) -> String {
     format!("{key:016x}")
 }
 
@@ -203,7 +201,8 @@ pub struct Job {
     pub robot: Arc<Robot>,
     /// Its key.
     pub key: String,
-    /// What distinguishes it from the other runs of its file, such as `contact.method=exact seed=2`; may be empty.
+    /// Label that distinguishes it from the other runs of its file, such as
+    /// `contact.method=exact seed=2`; may be empty.
     pub label: String,
     /// Its role in comparisons.
     pub role: Role,
@@ -240,17 +239,17 @@ impl Job {
         }
     }
 
-    /// Does it write a log?
+    /// True if it writes a log.
     pub(in crate::batch) fn wants_log(&self, options: &Options) -> bool {
         options.log && self.run.scenario.log.rate > 0.0 && self.role != Role::Reference
     }
 
-    /// How often it is repeated to time it.
+    /// Number of repetitions for timing.
     pub fn repetitions(&self) -> u32 {
         self.run.scenario.compare.as_ref().and_then(|c| c.timing_repeats).unwrap_or(0)
     }
 
-    /// Swept parameters as the summary holds them. `seed` has a column of its own.
+    /// Swept parameters as in the summary, without `seed`, which has its own column.
     pub fn parameters(&self) -> Vec<(String, ParamValue)> {
         let swept = self.run.parameters.iter().filter(|(name, _)| name != "seed");
         swept.map(|(name, value)| (name.clone(), parameter(value))).collect()
@@ -258,7 +257,7 @@ impl Job {
 }
 
 /// Inverse of [`parameter`].
-fn written_out(value: &ParamValue) -> toml::Value {
+fn to_toml(value: &ParamValue) -> toml::Value {
     match value {
         ParamValue::Integer(i) => (*i).into(),
         ParamValue::Number(x) => (*x).into(),

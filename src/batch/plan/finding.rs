@@ -12,9 +12,9 @@ pub enum Finding {
     Scenario(Box<Diagnostic>),
     /// A robot that cannot be used.
     Robot {
-        /// What is wrong with it.
+        /// The error.
         error: Box<RobotError>,
-        /// Where a scenario names it.
+        /// Position in the scenario that names it.
         named_at: String,
     },
     /// About a robot that can be used.
@@ -33,7 +33,7 @@ impl Finding {
         }
     }
 
-    /// Does its text contain an excerpt of a file?
+    /// True if its text contains an excerpt of a file.
     pub fn is_block(&self) -> bool {
         matches!(self, Finding::Scenario(_) | Finding::Robot { .. })
     }
@@ -55,14 +55,14 @@ impl Finding {
 #[derive(Clone, Debug, Default)]
 pub struct Findings {
     list: Vec<Finding>,
-    said: HashSet<String>,
+    rendered: HashSet<String>,
     errors: usize,
 }
 
 impl Findings {
     /// Adds a finding unless an equal one is present.
     pub fn push(&mut self, finding: Finding) {
-        if self.said.insert(finding.render(false)) {
+        if self.rendered.insert(finding.render(false)) {
             self.errors += usize::from(finding.severity() == Severity::Error);
             self.list.push(finding);
         }

@@ -1,10 +1,11 @@
 //! Plans a batch: loads scenarios and robots, checks every run, gives each its key.
 //!
-//! [`planner`] makes a [`batch_plan`], of which a [`shard`] keeps a part; a [`finding`] is an error, warning or note.
-//! Nothing runs and nothing is written here.
+//! [`planner`] builds a [`batch_plan`]; a [`shard`] is a part of it. A [`finding`] is an error,
+//! warning or note. Planning runs nothing and writes nothing.
 
 pub(in crate::batch) mod batch_plan;
 pub(in crate::batch) mod finding;
+pub(in crate::batch) mod input_hashes;
 pub(in crate::batch) mod planner;
 pub(in crate::batch) mod robot_cache;
 pub(in crate::batch) mod run_key;

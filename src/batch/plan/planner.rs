@@ -14,7 +14,7 @@ use crate::files::names::BATCH_FILES;
 use crate::robot::{Robot, RobotError};
 use crate::scenario::{self, Diagnostic, Diagnostics, Expansion, Run, ScenarioFile, Severity};
 
-/// Number of errors at which checking stops.
+/// Number of errors after which checking stops.
 const MAX_ERRORS: usize = 50;
 
 /// Loads scenario files and robots, expands every sweep and checks each run's setup by building it.
@@ -22,7 +22,7 @@ const MAX_ERRORS: usize = 50;
 /// `overrides` replace values of every file by dotted path. The plan has at most `max_runs` runs.
 ///
 /// # Errors
-/// The errors found, with warnings and notes; nothing was written. `Ok` holds warnings and notes.
+/// The errors found, with warnings and notes; nothing is written. `Ok` has warnings and notes.
 pub fn prepare(
     files: &[PathBuf],
     overrides: &[(String, toml::Value)],
@@ -67,7 +67,7 @@ struct Planner {
     /// Files by scenario name; a name is also a folder of the results.
     names: HashMap<String, PathBuf>,
     /// Files already checked for symbolic links.
-    looked_at: HashSet<PathBuf>,
+    link_checked: HashSet<PathBuf>,
     /// References by key, with the shape of their robots.
     known: HashMap<u64, (u32, Shape)>,
 }
@@ -93,27 +93,28 @@ impl Planner {
     }
 
     fn add_file(&mut self, file: &ScenarioFile, overrides: &[(String, toml::Value)]) {
-        let most = self.max_runs.min(scenario::MOST_RUNS_EVER);
-        match file.expansion(overrides, most).and_then(|e| self.check(e)) {
+        let max_runs = self.max_runs.min(scenario::MAX_BATCH_RUNS);
+        match file.expansion(overrides, max_runs).and_then(|e| self.check(e)) {
             Ok((expansion, first, kind)) => self.add_runs(expansion, &first, kind),
             Err(diagnostics) => self.findings.extend(diagnostics),
         }
     }
 
-    /// Expands all runs of a file and reports all errors together; returns first run and traits.
+    /// Expands all runs of a file and reports all errors together; returns its first run and
+    /// traits.
     fn check(&mut self, expansion: Expansion) -> Result<(Expansion, Option<Run>, Traits), Diagnostics> {
         let (mut first, mut kind): (Option<Run>, Traits) = (None, Traits::default());
         let mut warnings = Diagnostics::default();
-        let idle = expansion.check(&mut |mut run| {
+        let unused = expansion.check(&mut |mut run| {
             warnings.0.append(&mut run.warnings.0);
-            kind.elsewhere |= run.scenario.robot.backend.is_some();
+            kind.remote |= run.scenario.robot.backend.is_some();
             match &first {
                 Some(first) => kind.repeated |= first.scenario.seed != run.scenario.seed,
                 None => first = Some(run),
             }
         })?;
         self.findings.extend(warnings);
-        self.findings.extend(idle);
+        self.findings.extend(unused);
         Ok((expansion, first, kind))
     }
 
@@ -123,16 +124,16 @@ impl Planner {
         if let Some(other) = self.names.insert(name.clone(), file.path.clone()) {
             let (a, b) = (other.display(), file.path.display());
             let message = format!("{a} and {b} are both scenario `{name}`: their results would share one folder");
-            let help = "rename one of them, or run them apart, each with an --output of its own";
+            let help = "rename one of them, or run each with an --output of its own";
             return self.refuse_file(file, message, help);
         }
         if BATCH_FILES.contains(&name.as_str()) {
-            let message = format!("`{name}` is a file of the results and no name for a folder");
+            let message = format!("`{name}` is a file of the results and cannot be the name of a folder");
             return self.refuse_file(file, message, "rename the scenario");
         }
         let total = self.runs.len() + expansion.runs();
         if total > self.max_runs {
-            let message = format!("with it there are {total} runs, {} are allowed", self.max_runs);
+            let message = format!("with this file the batch has {total} runs, {} are allowed", self.max_runs);
             return self.refuse_file(file, message, "`--max-runs` raises the limit");
         }
         if let Some(run) = first
@@ -143,15 +144,15 @@ impl Planner {
             let error = run.error_at("integrator", message, help);
             return self.findings.push(Finding::Scenario(Box::new(error)));
         }
-        // Keys already used, which name folders of the results.
-        let mut taken = HashMap::new();
+        // Keys name folders of the results.
+        let mut known_keys = HashMap::new();
         for number in 0..expansion.runs() {
             if self.findings.errors() >= MAX_ERRORS {
                 return;
             }
             // `check` expanded it without an error.
             if let Some(run) = expansion.run(number) {
-                self.add_run(run, &mut taken);
+                self.add_run(run, &mut known_keys);
             }
         }
         self.sources.push(Arc::new(Source { expansion, name, kind }));
@@ -163,8 +164,8 @@ impl Planner {
         self.findings.push(Finding::Scenario(Box::new(wrong.with_help(help))));
     }
 
-    fn add_run(&mut self, mut run: Run, taken: &mut HashMap<u64, usize>) {
-        self.look_for_links(&run);
+    fn add_run(&mut self, mut run: Run, known_keys: &mut HashMap<u64, usize>) {
+        self.warn_of_links(&run);
         let Some(robot) = self.robot(&run) else { return };
         let Some(shape) = self.build(&run, &robot) else { return };
         let Some(key) = self.key(&run, &robot) else { return };
@@ -175,7 +176,7 @@ impl Planner {
             }
             None => NONE,
         };
-        if let Some(twin) = taken.insert(key, run.index) {
+        if let Some(twin) = known_keys.insert(key, run.index) {
             let message = format!("runs {} and {} of {} are the same", twin + 1, run.index + 1, run.file.display());
             return self.findings.push(Finding::Plan(message));
         }
@@ -226,20 +227,21 @@ impl Planner {
 
     fn key(&mut self, run: &Run, robot: &Robot) -> Option<u64> {
         let key = run_key::of(run, robot)
-            .and_then(|key| u64::from_str_radix(&key, 16).map_err(|e| format!("its key {key} is no hash: {e}")));
+            .map_err(|e| format!("the scenario cannot be written out: {e}"))
+            .and_then(|key| u64::from_str_radix(&key, 16).map_err(|e| format!("its key {key} is not a hash: {e}")));
         key.map_err(|message| self.findings.push(Finding::Plan(format!("{}: {message}", run.file.display())))).ok()
     }
 
     /// Warns about symbolic links that redirect the files a run names.
-    fn look_for_links(&mut self, run: &Run) {
+    fn warn_of_links(&mut self, run: &Run) {
         let home = run.file.parent().unwrap_or(Path::new(""));
         let robot = ("robot.model", run.resolve(&run.scenario.robot.model));
         let inputs = run.inputs.iter().map(|input| (input.key.as_str(), input.path.clone()));
         for (key, path) in std::iter::once(robot).chain(inputs) {
-            if !self.looked_at.insert(path.clone()) {
+            if !self.link_checked.insert(path.clone()) {
                 continue;
             }
-            if let Some(real) = input::led_out(home, &path) {
+            if let Some(real) = input::outside_target(home, &path) {
                 let message = format!("a symbolic link leads elsewhere: {} is {}", path.display(), real.display());
                 let mut warning = run.error_at(key, message, None);
                 warning.severity = Severity::Warning;
@@ -260,8 +262,8 @@ impl Planner {
             }
             // The scenario names an unreadable file, so the error points into the scenario.
             Err(error @ RobotError::Read { .. }) => {
-                let shown = run.error_at("robot.model", error.to_string(), None);
-                self.findings.push(Finding::Scenario(Box::new(shown)));
+                let error = run.error_at("robot.model", error.to_string(), None);
+                self.findings.push(Finding::Scenario(Box::new(error)));
                 None
             }
             Err(error) => {

@@ -17,7 +17,7 @@ impl Robots {
     /// The robot at a path under the scenario's inertia policy, and whether this call loaded it.
     pub fn get(&mut self, path: &Path, spec: &RobotSpec) -> (Result<Arc<Robot>, RobotError>, bool) {
         // Different paths of one file share a robot; the loader reports a missing file.
-        let policy = spec.inertia.map(|word| match word {
+        let policy = spec.inertia.map(|inertia| match inertia {
             InertiaSpec::Refuse => InertiaPolicy::Refuse,
             InertiaSpec::Repair => InertiaPolicy::Repair,
         });

@@ -9,12 +9,12 @@ use crate::scenario::{CompareSpec, Run, Scenario, key};
 ///
 /// # Errors
 /// The scenario cannot be written as TOML.
-pub(in crate::batch) fn of(run: &Run, robot: &Robot) -> Result<String, String> {
+pub(in crate::batch) fn of(run: &Run, robot: &Robot) -> Result<String, toml::ser::Error> {
     let mut scenario: Scenario = run.scenario.clone();
     scenario.robot.model.clear();
     let compare = scenario.compare.take().map(|compare| CompareSpec { timing_repeats: None, ..compare });
     scenario.compare = compare.filter(|compare| *compare != CompareSpec::default());
-    let text = toml::to_string(&scenario).map_err(|e| format!("the scenario cannot be written out: {e}"))?;
+    let text = toml::to_string(&scenario)?;
     let labels: Vec<String> = (0..robot.files.len()).map(|i| format!("robot file {i}")).collect();
     let files = labels.iter().zip(&robot.files).map(|(label, (_, bytes))| (label.as_str(), bytes.as_slice()));
     let own = [("scenario", text.as_bytes()), ("program", env!("CARGO_PKG_VERSION").as_bytes())];

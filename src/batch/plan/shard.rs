@@ -15,6 +15,64 @@ pub struct Shard {
     of: NonZero<u64>,
 }
 
+/// Why a shard cannot be determined.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ShardError {
+    /// Not `I/N`.
+    #[error("expected I/N, such as 3/8, or `env`")]
+    Form,
+    /// There is no such part.
+    #[error("there is no part {number} of {of}: parts are numbered from 1")]
+    NoPart {
+        /// The requested part.
+        number: u64,
+        /// The number of parts.
+        of: u64,
+    },
+    /// A variable that is not a number.
+    #[error("{name}={text} is not a whole number")]
+    NotANumber {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        text: String,
+    },
+    /// The number of parts is missing.
+    #[error("{set} is set, but not {missing}, which gives the number of parts")]
+    MissingCount {
+        /// The variable that is set.
+        set: &'static str,
+        /// The variable that is not.
+        missing: &'static str,
+    },
+    /// Variables of Slurm and of Kubernetes.
+    #[error("both {} and {} are set", SLURM[0], KUBERNETES[0])]
+    TwoArrays,
+    /// Variables of neither.
+    #[error("neither {} nor {} is set", SLURM[0], KUBERNETES[0])]
+    NoArray,
+    /// A task number that the array does not contain.
+    #[error("{}={id} is not {first} plus a multiple of {step}", SLURM[0])]
+    NotAStep {
+        /// The task number.
+        id: u64,
+        /// First task number.
+        first: u64,
+        /// Distance of task numbers.
+        step: u64,
+    },
+    /// A part beyond the number of parts.
+    #[error("{name} gives part {number} of {of}")]
+    Beyond {
+        /// The variable.
+        name: &'static str,
+        /// The part, from 1.
+        number: u64,
+        /// The number of parts.
+        of: u64,
+    },
+}
+
 /// Slurm variables: task number, first number, step, number of tasks.
 const SLURM: [&str; 4] =
     ["SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_STEP", "SLURM_ARRAY_TASK_COUNT"];
@@ -32,39 +90,38 @@ impl Shard {
     ///
     /// # Errors
     /// A variable is missing, is not a number, or contradicts another.
-    pub fn from_environment(variable: impl Fn(&str) -> Option<String>) -> Result<Self, String> {
-        let number = |name: &str| match variable(name) {
+    pub fn from_environment(variable: impl Fn(&str) -> Option<String>) -> Result<Self, ShardError> {
+        let number = |name: &'static str| match variable(name) {
             None => Ok(None),
-            Some(text) => text.trim().parse::<u64>().map(Some).map_err(|_| format!("{name}={text} is no whole number")),
+            Some(text) => text.trim().parse::<u64>().map(Some).map_err(|_| ShardError::NotANumber { name, text }),
         };
-        let wanted = |name: &str, beside: &str| {
-            number(name)?.ok_or_else(|| format!("{beside} is set and {name} is not: it says how many parts there are"))
+        let count = |missing: &'static str, set: &'static str| {
+            number(missing)?.ok_or(ShardError::MissingCount { set, missing })
         };
         let (index, of, name) = match (number(SLURM[0])?, number(KUBERNETES[0])?) {
-            (Some(_), Some(_)) => return Err(format!("both {} and {} are set", SLURM[0], KUBERNETES[0])),
+            (Some(_), Some(_)) => return Err(ShardError::TwoArrays),
             (Some(id), None) => {
                 // An array need not begin at 0 nor be without gaps: `--array=10-50:10` has 5 tasks.
                 let (first, step) = (number(SLURM[1])?.unwrap_or(0), number(SLURM[2])?.unwrap_or(1).max(1));
                 if id < first || !(id - first).is_multiple_of(step) {
-                    return Err(format!("{}={id} is not {first} and some steps of {step}", SLURM[0]));
+                    return Err(ShardError::NotAStep { id, first, step });
                 }
-                ((id - first) / step, wanted(SLURM[3], SLURM[0])?, SLURM[0])
+                ((id - first) / step, count(SLURM[3], SLURM[0])?, SLURM[0])
             }
-            (None, Some(index)) => (index, wanted(KUBERNETES[1], KUBERNETES[0])?, KUBERNETES[0]),
-            (None, None) => {
-                return Err(format!("neither {} nor {} is set", SLURM[0], KUBERNETES[0]));
-            }
+            (None, Some(index)) => (index, count(KUBERNETES[1], KUBERNETES[0])?, KUBERNETES[0]),
+            (None, None) => return Err(ShardError::NoArray),
         };
-        Shard::new(index.saturating_add(1), of).ok_or_else(|| format!("{name} says part {} of {of}", index + 1))
+        let number = index.saturating_add(1);
+        Shard::new(number, of).ok_or(ShardError::Beyond { name, number, of })
     }
 
-    /// Is it the whole batch?
+    /// True for the whole batch.
     pub fn is_whole(&self) -> bool {
         self.of.get() == 1
     }
 
-    /// Does it contain the run with this key?
-    pub fn takes(&self, key: &str) -> bool {
+    /// True if it contains the run with this key.
+    pub fn contains(&self, key: &str) -> bool {
         // Keys are prefixes of hashes, so they are evenly distributed.
         u64::from_str_radix(key, 16).is_ok_and(|hash| hash % self.of == self.number - 1)
     }
@@ -77,16 +134,16 @@ impl std::fmt::Display for Shard {
 }
 
 impl FromStr for Shard {
-    type Err = String;
+    type Err = ShardError;
 
     /// Parses `I/N`, or `env` for the environment of a job array.
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, ShardError> {
         if text == "env" {
             return Self::from_environment(|name| std::env::var(name).ok());
         }
         let parts = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
-        let (number, of) = parts.ok_or("wanted is I/N, such as 3/8, or `env`")?;
-        Shard::new(number, of).ok_or_else(|| format!("there is no part {number} of {of}: they count from 1"))
+        let (number, of) = parts.ok_or(ShardError::Form)?;
+        Shard::new(number, of).ok_or(ShardError::NoPart { number, of })
     }
 }
 
@@ -95,36 +152,29 @@ impl FromStr for Shard {
 pub struct Part {
     pub(in crate::batch) head: ShardHead,
     /// Positions of its runs in the whole plan.
-    pub(in crate::batch) places: Vec<usize>,
-}
-
-impl Part {
-    /// Number of runs in the whole plan.
-    pub fn whole(&self) -> usize {
-        self.head.runs
-    }
+    pub(in crate::batch) positions: Vec<usize>,
 }
 
 impl Plan {
     /// Hashes scenarios and keys of its runs in order; equal for the same batch on any machine.
     pub fn hash(&self) -> String {
         let mut hash = PlanHash::default();
-        (0..self.runs()).for_each(|place| hash.add(self.scenario(place), &self.key(place)));
+        (0..self.runs()).for_each(|index| hash.add(self.scenario(index), &self.key(index)));
         hash.end()
     }
 
     /// Keeps the runs of a shard, in order, and the references they need.
     pub fn take_shard(&mut self, shard: Shard) {
-        let places: Vec<usize> = (0..self.runs()).filter(|place| shard.takes(&self.key(*place))).collect();
+        let positions: Vec<usize> = (0..self.runs()).filter(|index| shard.contains(&self.key(*index))).collect();
         let head = ShardHead::new(shard.number, shard.of.get(), self.runs(), self.hash());
-        self.keep(&places);
-        self.part = Some(Part { head, places });
+        self.keep(&positions);
+        self.part = Some(Part { head, positions });
     }
 
     /// Entries of the shard's run list.
     pub(in crate::batch) fn shard_runs(&self) -> impl Iterator<Item = ShardRun> {
-        let places = self.part.iter().flat_map(|part| &part.places).enumerate();
-        places.map(|(i, at)| ShardRun { at: *at, scenario: self.scenario(i).to_owned(), key: self.key(i) })
+        let positions = self.part.iter().flat_map(|part| &part.positions).enumerate();
+        positions.map(|(i, at)| ShardRun { at: *at, scenario: self.scenario(i).to_owned(), key: self.key(i) })
     }
 }
 
@@ -134,11 +184,11 @@ mod tests {
 
     fn environment(pairs: &[(&str, &str)]) -> Result<String, String> {
         let value = |name: &str| pairs.iter().find(|(n, _)| *n == name).map(|(_, v)| (*v).to_owned());
-        Shard::from_environment(value).map(|shard| shard.to_string())
+        Shard::from_environment(value).map(|shard| shard.to_string()).map_err(|error| error.to_string())
     }
 
     #[test]
-    fn parts_are_written_as_they_are_read() {
+    fn parts_parse_to_themselves() {
         for text in ["1/1", "3/8", "8/8", "1000000/1000000"] {
             assert_eq!(text.parse::<Shard>().unwrap().to_string(), text);
         }
@@ -152,17 +202,17 @@ mod tests {
         let keys: Vec<String> = (0..8000u64).map(|i| crate::scenario::key(&[("i", &i.to_le_bytes())])).collect();
         let parts: Vec<Shard> = (1..=8).map(|i| Shard::new(i, 8).unwrap()).collect();
         for key in &keys {
-            assert_eq!(parts.iter().filter(|part| part.takes(key)).count(), 1, "{key}");
+            assert_eq!(parts.iter().filter(|part| part.contains(key)).count(), 1, "{key}");
         }
         for part in parts {
-            let runs = keys.iter().filter(|key| part.takes(key)).count();
+            let runs = keys.iter().filter(|key| part.contains(key)).count();
             // Binomial: mean 1000, standard deviation 30; the keys are fixed.
             assert!((850..1150).contains(&runs), "{part}: {runs}");
         }
     }
 
     #[test]
-    fn job_arrays_say_which_part_it_is() {
+    fn job_array_variables_give_the_part() {
         let slurm = |id: &'static str, min, step, count| {
             let names = SLURM.into_iter().zip([id, min, step, count]);
             environment(&names.filter(|(_, value)| !value.is_empty()).collect::<Vec<_>>())

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::batch::Job;
-use crate::batch::run::job_run::inputs;
+use crate::batch::plan::input_hashes::input_hashes;
 use crate::results::{InputHash, PROGRAM, RunRecord};
 
 /// Changes listed by name; the rest are counted.
-const MOST_NAMED: usize = 4;
+const MAX_NAMED: usize = 4;
 
 /// Values that do not enter the key.
-const NO_PART: [&str; 2] = ["robot.model", "compare.timing_repeats"];
+const NOT_IN_KEY: [&str; 2] = ["robot.model", "compare.timing_repeats"];
 
 /// Describes what changed since a record was written; none if nothing did.
 pub(in crate::batch) fn why(job: &Job, record: &RunRecord) -> Option<String> {
@@ -21,8 +21,8 @@ pub(in crate::batch) fn why(job: &Job, record: &RunRecord) -> Option<String> {
     }
     changes.extend(values(&record.resolved, &job.run.resolved_toml));
     changes.extend(files(job, &record.inputs));
-    let more = changes.len().saturating_sub(MOST_NAMED);
-    changes.truncate(MOST_NAMED);
+    let more = changes.len().saturating_sub(MAX_NAMED);
+    changes.truncate(MAX_NAMED);
     if more > 0 {
         changes.push(format!("{more} more changes"));
     }
@@ -44,8 +44,8 @@ fn values(before: &str, now: &str) -> Vec<String> {
         Some(was) => Some(format!("`{path}` was {was}, is {is}")),
         None => Some(format!("`{path}` = {is} is new")),
     });
-    let gone = before.iter().filter(|(path, _)| !now.contains_key(*path));
-    changed.chain(gone.map(|(path, was)| format!("`{path}` = {was} is gone"))).collect()
+    let removed = before.iter().filter(|(path, _)| !now.contains_key(*path));
+    changed.chain(removed.map(|(path, was)| format!("`{path}` = {was} was removed"))).collect()
 }
 
 /// Collects every value except tables under its dotted path.
@@ -58,7 +58,7 @@ fn gather(path: &str, value: &toml::Value, leaves: &mut BTreeMap<String, String>
         toml::Value::Array(items) if items.iter().any(toml::Value::is_table) => {
             items.iter().enumerate().for_each(|(i, value)| gather(&below(&i.to_string()), value, leaves));
         }
-        _ if NO_PART.contains(&path) => {}
+        _ if NOT_IN_KEY.contains(&path) => {}
         _ => {
             leaves.insert(path.to_owned(), value.to_string());
         }
@@ -67,13 +67,13 @@ fn gather(path: &str, value: &toml::Value, leaves: &mut BTreeMap<String, String>
 
 /// Kind of a robot's file, for messages.
 fn kind(path: &Path) -> String {
-    let describes = path.extension().is_some_and(|e| ["toml", "urdf", "xml"].iter().any(|x| e.eq_ignore_ascii_case(x)));
-    if describes { "robot file" } else { "mesh" }.to_owned()
+    let is_text = path.extension().is_some_and(|e| ["toml", "urdf", "xml"].iter().any(|x| e.eq_ignore_ascii_case(x)));
+    if is_text { "robot file" } else { "mesh" }.to_owned()
 }
 
 /// Changed files of the robot and files that the scenario names.
 fn files(job: &Job, before: &[InputHash]) -> Vec<String> {
-    let now = inputs(job);
+    let now = input_hashes(job);
     let robot = job.robot.files.iter().map(|(path, _)| kind(path));
     let kinds = robot.chain(job.run.inputs.iter().map(|input| format!("`{}`, the file", input.key)));
     let changed = now.iter().zip(kinds).filter_map(|(is, kind)| match before.iter().find(|was| was.name == is.name) {
@@ -81,6 +81,6 @@ fn files(job: &Job, before: &[InputHash]) -> Vec<String> {
         Some(_) => Some(format!("{kind} {} changed", is.name)),
         None => Some(format!("{kind} {} is new", is.name)),
     });
-    let gone = before.iter().filter(|was| !now.iter().any(|is| is.name == was.name));
-    changed.chain(gone.map(|was| format!("the file {} is gone", was.name))).collect()
+    let removed = before.iter().filter(|was| !now.iter().any(|is| is.name == was.name));
+    changed.chain(removed.map(|was| format!("the file {} was removed", was.name))).collect()
 }

@@ -8,7 +8,6 @@ use crate::files::names;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use crate::batch::dispatch::dispatcher::is_to_repeat;
 use crate::batch::dispatch::finished_runs::Store;
 use crate::batch::resume::rerun_reason;
 use crate::batch::{Finished, Job, Options, Plan, Role};
@@ -23,9 +22,9 @@ pub struct Resumed {
     pub(in crate::batch) finished: Store,
     pub(in crate::batch) references: Store,
     /// Finished runs still to be repeated for timing.
-    pub(in crate::batch) again: Vec<usize>,
-    stale: Vec<Rerun>,
-    /// Index of each reason in `stale`.
+    pub(in crate::batch) to_repeat: Vec<usize>,
+    reruns: Vec<Rerun>,
+    /// Index of each reason in `reruns`.
     reasons: HashMap<String, usize>,
     first: usize,
     other_builds: usize,
@@ -54,8 +53,8 @@ impl Resumed {
     }
 
     /// Runs that must run again, by reason.
-    pub fn again(&self) -> &[Rerun] {
-        &self.stale
+    pub fn reruns(&self) -> &[Rerun] {
+        &self.reruns
     }
 
     /// Number of runs that run for the first time.
@@ -74,13 +73,13 @@ impl Resumed {
         references.chain(self.finished.positions().map(|index| (&self.finished, plan.job(index))))
     }
 
-    fn tell(&mut self, why: String, job: &Job) {
-        let place = *self.reasons.entry(why).or_insert_with_key(|why| {
+    fn add_rerun(&mut self, why: String, job: &Job) {
+        let position = *self.reasons.entry(why).or_insert_with_key(|why| {
             let example = format!("{} {}", job.run.name, job.label).trim_end().to_owned();
-            self.stale.push(Rerun { why: why.clone(), runs: 0, example });
-            self.stale.len() - 1
+            self.reruns.push(Rerun { why: why.clone(), runs: 0, example });
+            self.reruns.len() - 1
         });
-        self.stale[place].runs += 1;
+        self.reruns[position].runs += 1;
     }
 }
 
@@ -103,13 +102,13 @@ pub(in crate::batch) fn find_results(plan: &Plan, options: &Options) -> Resumed 
         match state(&job, plan, options) {
             State::Done { finished, other_build } => {
                 resumed.other_builds += usize::from(other_build);
-                if is_to_repeat(&job, &finished) {
-                    resumed.again.push(job.index);
+                if finished.needs_repetitions(&job) {
+                    resumed.to_repeat.push(job.index);
                 }
                 resumed.finished.insert(job.index, *finished);
                 continue;
             }
-            State::Rerun(why) => resumed.tell(why, &job),
+            State::Rerun(why) => resumed.add_rerun(why, &job),
             State::Absent => absent.push(job.index),
         }
         needed.extend(job.reference());
@@ -118,12 +117,15 @@ pub(in crate::batch) fn find_results(plan: &Plan, options: &Options) -> Resumed 
         let job = plan.reference(index);
         match state(&job, plan, options) {
             State::Done { .. } if needed.contains(&index) => {
-                resumed.tell("runs that are made are compared with it, and its motion is in no file".into(), &job);
+                resumed.add_rerun(
+                    "other runs that run again are compared with it, and its motion is not recorded".into(),
+                    &job,
+                );
             }
             State::Done { finished, .. } => resumed.references.insert(index, *finished),
-            State::Rerun(why) => resumed.tell(why, &job),
+            State::Rerun(why) => resumed.add_rerun(why, &job),
             State::Absent if needed.contains(&index) => {}
-            State::Absent => resumed.tell("its record is not there".into(), &job),
+            State::Absent => resumed.add_rerun("its record is missing".into(), &job),
         }
     }
     let mut earlier: HashMap<&str, Earlier> = HashMap::new();
@@ -138,7 +140,7 @@ pub(in crate::batch) fn find_results(plan: &Plan, options: &Options) -> Resumed 
         }
         let job = plan.job(index);
         match known.like(&job).and_then(|record| rerun_reason::why(&job, &record)) {
-            Some(why) => resumed.tell(why, &job),
+            Some(why) => resumed.add_rerun(why, &job),
             None => resumed.first += 1,
         }
     }
@@ -152,10 +154,10 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
     let record = match RunRecord::read(&path) {
         Ok(record) => record,
         Err(RecordError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => return State::Absent,
-        Err(_) => return State::Rerun("its record is no whole record".into()),
+        Err(_) => return State::Rerun("its record is incomplete".into()),
     };
     if (&record.scenario, &record.key) != (&job.run.name, &job.key) {
-        return State::Rerun("its record is that of another run".into());
+        return State::Rerun("its record belongs to another run".into());
     }
     // Another sweep may contain the same resolved scenario under other summary columns.
     if job.role != Role::Reference && record.parameters != job.parameters() {
@@ -176,7 +178,7 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
     }
     let problems = folder.join(names::PROBLEMS);
     if !has_problems(&row, &problems, options.problems) {
-        return State::Rerun("it has not the contact problems that are asked for".into());
+        return State::Rerun("its contact problems were not written as requested".into());
     }
     if let Some(reference) = job.reference()
         && record.comparison.until_s.is_none()
@@ -190,18 +192,19 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
     State::Done { finished: Box::new(finished), other_build }
 }
 
-/// Would a repetition end in the same way?
+/// True if a repetition would end in the same way.
 fn repeats(row: &SummaryRow) -> bool {
     !matches!(row.outcome, Outcome::TimedOut | Outcome::Error | Outcome::Cancelled) || !row.is_refused()
 }
 
-fn has_problems(row: &SummaryRow, folder: &Path, wanted: Problems) -> bool {
-    let met = match wanted {
+fn has_problems(row: &SummaryRow, folder: &Path, requested: Problems) -> bool {
+    let expected = match requested {
         Problems::None => 0,
         Problems::Inconsistent => row.metrics.inconsistent,
         Problems::All => row.metrics.selections,
     };
-    met == 0 || std::fs::read_dir(folder).is_ok_and(|files| files.count() as u64 >= met.min(MAX_PROBLEMS as u64))
+    expected == 0
+        || std::fs::read_dir(folder).is_ok_and(|files| files.count() as u64 >= expected.min(MAX_PROBLEMS as u64))
 }
 
 /// Records of a scenario whose keys belong to no run of the plan.
@@ -209,14 +212,14 @@ struct Earlier {
     /// Folder of the latest record, by swept values and seed.
     with_seed: HashMap<String, String>,
     /// Folder and seed by swept values alone; none where several seeds exist.
-    without: HashMap<String, Option<(String, u64)>>,
+    without_seed: HashMap<String, Option<(String, u64)>>,
     folder: std::path::PathBuf,
 }
 
 impl Earlier {
     fn of(results: &Path, scenario: &str, keys: &HashSet<String>) -> Self {
         let folder = results.join(scenario);
-        let mut earlier = Earlier { with_seed: HashMap::new(), without: HashMap::new(), folder };
+        let mut earlier = Earlier { with_seed: HashMap::new(), without_seed: HashMap::new(), folder };
         let Ok(entries) = std::fs::read_dir(&earlier.folder) else { return earlier };
         let names = entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned());
         let written = |name: &String| earlier.folder.join(name).join(names::RUN_RECORD).metadata()?.modified();
@@ -225,11 +228,11 @@ impl Earlier {
         names.sort();
         for (_, name) in names {
             let Ok(record) = RunRecord::read(&earlier.folder.join(&name).join(names::RUN_RECORD)) else { continue };
-            let (place, seed) = (identity(&record.parameters), record.seed);
+            let (values, seed) = (identity(&record.parameters), record.seed);
             let own = Some((name.clone(), seed));
-            let known = earlier.without.entry(place.clone()).or_insert_with(|| own.clone());
+            let known = earlier.without_seed.entry(values.clone()).or_insert_with(|| own.clone());
             *known = own.filter(|_| known.as_ref().is_some_and(|(_, other)| *other == seed));
-            earlier.with_seed.insert(format!("{place} {seed}"), name);
+            earlier.with_seed.insert(format!("{values} {seed}"), name);
         }
         earlier
     }
@@ -240,9 +243,9 @@ impl Earlier {
 
     /// The record with the same swept values and seed, or with the only seed those values have.
     fn like(&self, job: &Job) -> Option<RunRecord> {
-        let place = identity(&job.parameters());
-        let same_seed = self.with_seed.get(&format!("{place} {}", job.run.scenario.seed));
-        let name = same_seed.or_else(|| self.without.get(&place)?.as_ref().map(|(name, _)| name))?;
+        let values = identity(&job.parameters());
+        let same_seed = self.with_seed.get(&format!("{values} {}", job.run.scenario.seed));
+        let name = same_seed.or_else(|| self.without_seed.get(&values)?.as_ref().map(|(name, _)| name))?;
         RunRecord::read(&self.folder.join(name).join(names::RUN_RECORD)).ok()
     }
 }

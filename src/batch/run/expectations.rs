@@ -8,22 +8,21 @@ use crate::sim::Outcome;
 ///
 /// A run that reached its end or was stopped by a rule is `failed` if an expectation does not hold.
 /// Any other outcome stays and is refused, unless an expectation names it: then the other
-/// expectations are evaluated too. A cancelled run is not judged. Returns the row with its
+/// expectations are evaluated too. A cancelled run is not evaluated. Returns the row with its
 /// verdicts, and whether the run was accepted.
 pub(in crate::batch) fn evaluate(mut row: SummaryRow, expectations: &[Expect]) -> (SummaryRow, bool) {
-    let word = row.outcome.name();
-    let named = expectations.iter().any(|e| e.outcome.is_some_and(|o| o.name() == word));
-    let judged = named || matches!(row.outcome, Outcome::Passed | Outcome::Fallen);
-    if !judged {
+    let outcome = row.outcome.name();
+    let named = expectations.iter().any(|e| e.outcome.is_some_and(|o| o.name() == outcome));
+    if !named && !matches!(row.outcome, Outcome::Passed | Outcome::Fallen) {
         return (row, false);
     }
     row.verdicts = expectations.iter().map(|e| verdict(e, &row)).collect();
     let broken = row.verdicts.iter().filter(|v| !v.held).map(|v| v.message.clone());
-    let words: Vec<String> = Some(row.message.clone()).filter(|m| !m.is_empty()).into_iter().chain(broken).collect();
+    let reasons: Vec<String> = Some(row.message.clone()).filter(|m| !m.is_empty()).into_iter().chain(broken).collect();
     let held = row.verdicts.iter().all(|v| v.held);
     if !held {
         row.outcome = Outcome::Failed;
-        row.message = words.join("; ");
+        row.message = reasons.join("; ");
     }
     (row, held)
 }
@@ -102,21 +101,21 @@ mod tests {
             (Error, &[], Error, false),
             (Cancelled, &[at_most(2.0)], Cancelled, false),
         ];
-        for (i, (outcome, expectations, wanted, accepted)) in table.iter().enumerate() {
+        for (i, (outcome, expectations, expected, accepted)) in table.iter().enumerate() {
             let (judged, held) = evaluate(row(*outcome, ""), expectations);
-            assert_eq!((judged.outcome, held), (*wanted, *accepted), "row {i}");
+            assert_eq!((judged.outcome, held), (*expected, *accepted), "row {i}");
         }
     }
 
     #[test]
-    fn words_say_what_happened_and_what_did_not_hold() {
+    fn messages_give_the_outcome_and_the_failed_expectations() {
         let (judged, _) = evaluate(row(Outcome::Fallen, "base low"), &[at_most(2.0), at_most(1.0)]);
         assert_eq!(judged.message, "base low; impacts is 3, above 2; impacts is 3, above 1");
         assert_eq!(evaluate(row(Outcome::Fallen, "base low"), &[]).0.message, "base low");
     }
 
     #[test]
-    fn verdicts_hold_what_was_measured_against_what_was_wanted() {
+    fn verdicts_have_measured_and_expected_values() {
         let near = Expect {
             metric: Some("impacts".into()),
             value: Some(4.0),
@@ -132,6 +131,6 @@ mod tests {
         assert_eq!((limit.measured, limit.truth, limit.max, limit.error), (Some(3.0), None, Some(1.0), Some(2.0)));
         assert_eq!((limit.held, limit.message.as_str()), (false, "impacts is 3, above 1"));
         assert_eq!((outcome.metric.as_str(), outcome.measured, outcome.held), ("outcome", None, true));
-        assert!(evaluate(row(Outcome::Diverged, ""), &[at_most(1.0)]).0.verdicts.is_empty(), "not judged");
+        assert!(evaluate(row(Outcome::Diverged, ""), &[at_most(1.0)]).0.verdicts.is_empty(), "not evaluated");
     }
 }

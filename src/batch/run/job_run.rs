@@ -2,59 +2,19 @@
 
 use std::path::Path;
 
-use crate::batch::dispatch::schedule::AwaitedReference;
+use crate::batch::plan::input_hashes::input_hashes;
+use crate::batch::run::awaited_reference::AwaitedReference;
 use crate::batch::run::expectations::evaluate;
 use crate::batch::run::panic_capture;
 use crate::batch::run::plausibility::implausible;
+use crate::batch::run::run_end::RunEnd;
 use crate::batch::run::run_timer::Clock;
 use crate::batch::{Body, Cancellation, Finished, Job, Options, Reason, Role, RunOutputs, Track};
 use crate::files::{confined, names, remove_partial};
-use crate::results::{
-    Comparison, InputHash, LogFingerprint, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError,
-    hash_input, metric,
-};
+use crate::results::{LogFingerprint, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError, metric};
 use crate::script::interruptible;
-use crate::sim::{AvoidanceTime, Metrics, Outcome, Problems};
-
-/// How a simulation ended.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RunEnd {
-    /// Outcome before expectations are evaluated.
-    pub outcome: Outcome,
-    /// The reason; may be empty.
-    pub message: String,
-    /// Metrics; none if nothing was measured.
-    pub metrics: Option<Metrics>,
-    /// Additional notes.
-    pub notes: Vec<String>,
-    /// Its distance from its reference.
-    pub comparison: Comparison,
-    /// Its motion, if requested.
-    pub trajectory: Option<ReferenceMotion>,
-    /// Processor time of self-collision avoidance.
-    pub avoidance: Option<AvoidanceTime>,
-}
-
-impl RunEnd {
-    /// An end by an error.
-    pub fn error(message: impl Into<String>) -> Self {
-        Self { message: message.into(), ..Self::of(Outcome::Error) }
-    }
-
-    /// An end with this outcome and no further data.
-    pub fn of(outcome: Outcome) -> Self {
-        let (message, notes) = (String::new(), Vec::new());
-        Self {
-            outcome,
-            message,
-            metrics: None,
-            notes,
-            comparison: Comparison::default(),
-            trajectory: None,
-            avoidance: None,
-        }
-    }
-}
+use crate::sim::{Metrics, Outcome, Problems, RunError};
+use crate::text::plural::plural;
 
 /// Runs a job: simulates, compares, evaluates, writes `run.json` last. Every failure becomes the
 /// run's outcome. Returns a reference's trajectory, or why there is none.
@@ -64,7 +24,7 @@ pub(in crate::batch) fn run(
     cancellation: &Cancellation,
     body: &Body<'_>,
     against: Option<&AwaitedReference>,
-) -> (Finished, Result<ReferenceMotion, String>) {
+) -> (Finished, Result<ReferenceMotion, RunError>) {
     let folder = job.folder(&options.output);
     let confined = confined::check(&options.output, &folder);
     if confined.is_ok() {
@@ -76,23 +36,24 @@ pub(in crate::batch) fn run(
         Ok(()) => panic_capture::catch_panic(|| {
             interruptible(cancellation.shared(), || body(job, &outputs, cancellation.flag()))
         })
-        .unwrap_or_else(RunEnd::error),
-        // Its files could not be written.
+        .unwrap_or_else(|panic| RunEnd::error(panic.message)),
+        // Its files cannot be written.
         Err(error) => RunEnd::error(error.to_string()),
     };
     let timing = Timing { avoidance: end.avoidance, ..clock.read() };
     if end.outcome == Outcome::Cancelled && cancellation.reason() == Some(Reason::TimedOut) {
         end.outcome = Outcome::TimedOut;
-        end.message = timed_out(options);
+        let limit = options.timeout.unwrap_or_default().as_secs_f64();
+        end.message = format!("not at its end after {limit} s of wall-clock time");
     }
-    let trajectory = keep(&mut end);
+    let trajectory = take_trajectory(&mut end);
     let mut notes = end.notes.clone();
     let mut record = record(job, end, timing);
     record.comparison.reference = against.map(|a| a.key.clone());
     let gap = against.and_then(|a| not_compared(&record, a));
     record.comparison.whole = against.is_some() && gap.is_none();
     notes.extend(gap);
-    notes.extend(doubtful(job, &record.metrics));
+    notes.extend(inconsistent_note(job, &record.metrics));
     notes.extend(implausible(job, record.outcome, &record.metrics));
     record.notes.clone_from(&notes);
     record.comparison.truth = truths(job, &record);
@@ -102,12 +63,12 @@ pub(in crate::batch) fn run(
     // A log that cannot be read now gets no fingerprint, so it never counts as complete.
     record.log = outputs.log.as_deref().and_then(|log| LogFingerprint::of(log).ok());
     let path = folder.join(names::RUN_RECORD);
-    let left = [outputs.log, outputs.problems.map(|p| p.0)].into_iter().flatten().filter(|file| file.exists());
+    let written = [outputs.log, outputs.problems.map(|p| p.0)].into_iter().flatten().filter(|file| file.exists());
     let finished = match confined.and_then(|()| record.write(&path)) {
-        Ok(()) => Finished { files: [path].into_iter().chain(left).collect(), notes, row, accepted },
+        Ok(()) => Finished { files: [path].into_iter().chain(written).collect(), notes, row, accepted },
         Err(error) => {
             (record.outcome, record.message) = (Outcome::Error, error.to_string());
-            Finished { files: left.collect(), notes, row: record.summary_row(), accepted: false }
+            Finished { files: written.collect(), notes, row: record.summary_row(), accepted: false }
         }
     };
     (finished, trajectory)
@@ -135,11 +96,10 @@ fn outputs(job: &Job, options: &Options, folder: &Path, against: Option<&Awaited
 }
 
 /// The trajectory of a run that ended normally, or why there is none.
-fn keep(end: &mut RunEnd) -> Result<ReferenceMotion, String> {
+fn take_trajectory(end: &mut RunEnd) -> Result<ReferenceMotion, RunError> {
     match (end.outcome, end.trajectory.take()) {
         (Outcome::Passed | Outcome::Fallen, Some(trajectory)) => Ok(trajectory),
-        _ if end.message.is_empty() => Err(end.outcome.name().into()),
-        _ => Err(format!("{}: {}", end.outcome.name(), end.message)),
+        _ => Err(RunError::new(end.outcome, end.message.clone())),
     }
 }
 
@@ -147,7 +107,7 @@ fn keep(end: &mut RunEnd) -> Result<ReferenceMotion, String> {
 fn not_compared(record: &RunRecord, against: &AwaitedReference) -> Option<String> {
     let trajectory = match &against.result {
         Ok(trajectory) => trajectory,
-        Err(reason) => return Some(format!("not compared: its reference {} {reason}", against.key)),
+        Err(reason) => return Some(format!("not compared: its reference {} {}", against.key, reason.with_outcome())),
     };
     match record.comparison.until_s {
         Some(until) if until < record.metrics.duration_s || until < trajectory.end() => {
@@ -159,11 +119,10 @@ fn not_compared(record: &RunRecord, against: &AwaitedReference) -> Option<String
 }
 
 /// Note on a reference with inconsistent selections.
-fn doubtful(job: &Job, metrics: &Metrics) -> Option<String> {
-    let count = metrics.inconsistent;
-    let plural = if count == 1 { "selection" } else { "selections" };
-    (job.role == Role::Reference && count > 0)
-        .then(|| format!("a reference with {count} {plural} of a contact state without a valid one (`inconsistent`)"))
+fn inconsistent_note(job: &Job, metrics: &Metrics) -> Option<String> {
+    let selections = plural(metrics.inconsistent as usize, "selection");
+    (job.role == Role::Reference && metrics.inconsistent > 0)
+        .then(|| format!("a reference with {selections} of a contact state without a valid one (`inconsistent`)"))
 }
 
 /// Absolute errors of measured values against known true values.
@@ -172,11 +131,6 @@ fn truths(job: &Job, record: &RunRecord) -> Vec<TruthError> {
     let known = job.run.scenario.compare.iter().flat_map(|compare| &compare.truth);
     let error = |name: &str, truth: f64| metric(&row, name).map(|measured| (measured - truth).abs());
     known.map(|(name, truth)| TruthError { metric: name.0.clone(), error: error(&name.0, *truth) }).collect()
-}
-
-fn timed_out(options: &Options) -> String {
-    let limit = options.timeout.unwrap_or_default().as_secs_f64();
-    format!("not at its end after {limit} s of wall-clock time")
 }
 
 fn record(job: &Job, end: RunEnd, timing: Timing) -> RunRecord {
@@ -196,20 +150,9 @@ fn record(job: &Job, end: RunEnd, timing: Timing) -> RunRecord {
         comparison: end.comparison,
         notes: end.notes,
         program: PROGRAM.to_owned(),
-        inputs: inputs(job),
+        inputs: input_hashes(job),
         resolved: job.run.resolved_toml.clone(),
         log: None,
         timing: Timing { file: Some(job.run.file.display().to_string()), ..timing },
     }
-}
-
-/// Hashes of the files that the scenario names and of the robot's, named relative to its folder.
-pub(in crate::batch) fn inputs(job: &Job) -> Vec<InputHash> {
-    let home = job.robot.files.first().and_then(|(path, _)| path.parent()).unwrap_or(Path::new(""));
-    let name = |path: &Path| match path.strip_prefix(home) {
-        Ok(below) => below.display().to_string(),
-        Err(_) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-    };
-    let robot = job.robot.files.iter().map(|(path, bytes)| hash_input(&name(path), bytes));
-    robot.chain(job.run.inputs.iter().map(|input| hash_input(&input.name(), &input.bytes))).collect()
 }

@@ -8,7 +8,7 @@ use crate::log::MessageSink;
 
 /// Snapshot rate for live clients of a run without a log, Hz.
 pub(in crate::batch) const RATE: f64 = 60.0;
-/// A run later than this does not catch up.
+/// Delay beyond which a run does not catch up.
 const LATE: Duration = Duration::from_millis(100);
 /// Longest sleep between checks for cancellation.
 const SLICE: Duration = Duration::from_millis(50);
@@ -16,17 +16,17 @@ const SLICE: Duration = Duration::from_millis(50);
 /// Clients that observe a run while it is simulated.
 pub trait LiveClients: Sync {
     /// Sink for the messages of the log.
-    fn outlet(&self) -> Box<dyn MessageSink>;
+    fn sink(&self) -> Box<dyn MessageSink>;
     /// Called after the log's header, before the first step; may wait for a client or `cancel`.
     fn wait(&self, cancel: &AtomicBool);
     /// Number of client arrivals; a client that arrives while the run is paused has seen no data.
     fn arrivals(&self) -> u64;
     /// Simulated seconds per second; none: unlimited.
     fn pace(&self) -> Option<f64>;
-    /// Reports the end of the run.
-    fn farewell(&self);
+    /// Sends everything that is queued at the end of the run.
+    fn finish(&self);
     /// Notes for the user. They are not part of the run, which is the same without clients.
-    fn told(&self) -> Vec<String>;
+    fn notes(&self) -> Vec<String>;
 }
 
 /// Delays a run at the instants of its log to match the wall clock.
@@ -45,10 +45,10 @@ impl Pacer {
     pub fn wait(&mut self, time: f64, cancel: &AtomicBool) {
         let due = self.due(time, Instant::now());
         while !cancel.load(Ordering::Relaxed)
-            && let left = due.saturating_duration_since(Instant::now())
-            && !left.is_zero()
+            && let remaining = due.saturating_duration_since(Instant::now())
+            && !remaining.is_zero()
         {
-            sleep(left.min(SLICE));
+            sleep(remaining.min(SLICE));
         }
     }
 
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_late_is_not_caught_up() {
+    fn long_delays_are_not_caught_up() {
         let (mut pacer, start) = (Pacer::new(1.0), Instant::now());
         let near = |a: Instant, b: Instant| a.max(b).duration_since(a.min(b)) < Duration::from_nanos(2);
         assert!(near(pacer.due(0.0, start), start));
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn it_ends_when_it_is_cancelled() {
+    fn waiting_ends_when_the_run_is_cancelled() {
         let mut pacer = Pacer::new(1e-300);
         pacer.wait(0.0, &AtomicBool::new(false));
         pacer.wait(1.0, &AtomicBool::new(true));

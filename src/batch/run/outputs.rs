@@ -1,21 +1,22 @@
-//! Files and data that a run leaves besides its record.
+//! Files and data that a run produces in addition to its record.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use crate::batch::{Job, RunEnd};
+use crate::batch::Job;
+use crate::batch::run::run_end::RunEnd;
 use crate::results::ReferenceMotion;
 use crate::sim::Problems;
 
-/// Outputs of a run besides its record.
+/// Outputs of a run in addition to its record.
 #[derive(Clone, Debug, Default)]
 pub struct RunOutputs {
     /// Path of its log; none: no log.
     pub log: Option<PathBuf>,
     /// Folder and selection of its contact problems; none: not written.
     pub problems: Option<(PathBuf, Problems)>,
-    /// How its motion is used.
+    /// Use of its motion.
     pub track: Track,
 }
 

@@ -1,4 +1,4 @@
-//! Marks runs that end with the base at an implausible position, whatever the expectations.
+//! Marks runs whose final base position is implausible, whatever the expectations.
 
 use nalgebra::{Rotation3, Vector3};
 
@@ -27,11 +27,11 @@ pub(in crate::batch) fn implausible(job: &Job, outcome: Outcome, metrics: &Metri
     let [roll, pitch, yaw] = floor.rpy;
     let rotation = *Rotation3::from_euler_angles(roll, pitch, yaw).matrix();
     let plane = Plane { rotation, point: Vector3::new(0.0, 0.0, floor.height) };
-    what(plane.height(&metrics.final_base_position.into()), metrics.final_base_shift_m)
-        .map(|what| format!("{MARK}{what}"))
+    reason(plane.height(&metrics.final_base_position.into()), metrics.final_base_shift_m)
+        .map(|reason| format!("{MARK}{reason}"))
 }
 
-fn what(height: f64, shift: f64) -> Option<String> {
+fn reason(height: f64, shift: f64) -> Option<String> {
     match () {
         () if height < -SUNK => Some(format!("at its end the base is {:.3} m below the floor", -height)),
         () if shift > FAR => Some(format!("at its end the base is {shift:.0} m from its start")),
@@ -39,7 +39,7 @@ fn what(height: f64, shift: f64) -> Option<String> {
     }
 }
 
-/// Does a note mark its run as implausible?
+/// True if a note marks its run as implausible.
 pub fn marks_implausible(note: &str) -> bool {
     note.starts_with(MARK)
 }
@@ -50,10 +50,10 @@ mod tests {
 
     #[test]
     fn a_base_below_the_floor_or_far_away_is_named() {
-        assert_eq!(what(-0.25, 0.3).as_deref(), Some("at its end the base is 0.250 m below the floor"));
-        assert_eq!(what(0.25, 1234.5).as_deref(), Some("at its end the base is 1234 m from its start"));
+        assert_eq!(reason(-0.25, 0.3).as_deref(), Some("at its end the base is 0.250 m below the floor"));
+        assert_eq!(reason(0.25, 1234.5).as_deref(), Some("at its end the base is 1234 m from its start"));
         for (height, shift) in [(0.25, 0.0), (-1e-6, 0.0), (0.0, 100.0), (f64::NAN, f64::NAN)] {
-            assert_eq!(what(height, shift), None);
+            assert_eq!(reason(height, shift), None);
         }
         assert!(marks_implausible(&format!("{MARK}at its end")) && !marks_implausible("not compared"));
     }

@@ -1,4 +1,4 @@
-//! Measures the time of a run, which stays on one thread and so has that thread's processor time.
+//! Measures the time of a run. A run stays on one thread, so its processor time is the thread's.
 
 use std::time::Instant;
 
@@ -77,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_least_and_the_median_of_each_time() {
+    fn minimum_and_median_of_each_time() {
         let laps =
             |times: &[(f64, f64)]| -> Vec<Lap> { times.iter().map(|&(wall_s, cpu_s)| Lap { wall_s, cpu_s }).collect() };
         let times = |r: Repeats| [r.wall_min_s, r.wall_median_s, r.cpu_min_s, r.cpu_median_s];

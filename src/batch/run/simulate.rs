@@ -13,7 +13,7 @@ use crate::batch::{Job, Role, RunEnd, RunOutputs, Track};
 use crate::contact::selection_record::SelectionRecord;
 use crate::files::RecordError;
 use crate::log::{AttachedText, LogHeader, LogWriter, MessageSink, ProblemWriter, TopicGroups};
-use crate::remote::{Address, Remote};
+use crate::remote::{Address, RobotClient};
 use crate::results::{Comparator, ReferenceMotion};
 use crate::robot::{Model, Robot};
 use crate::scenario::{LogTopic, Run, host_and_port};
@@ -22,29 +22,29 @@ use crate::sim::CommandSource;
 use crate::sim::Floor;
 use crate::sim::RemoteRun;
 use crate::sim::sensing::EstimatorSetup;
-use crate::sim::{Observer, Outcome, Problems, RunError, Sample, Setup, SimEvent, Simulation, Snapshot};
+use crate::sim::{Observer, ObserverError, Outcome, Problems, RunError, Sample, Setup, SimEvent, Simulation, Snapshot};
 
-/// Simulates a job; ends at the next step once `cancel` is set. Loading of scripts ends too, if the
-/// caller made them [`interruptible`](crate::script::interruptible) by it.
+/// Simulates a job; ends at the next step once `cancel` is set. Loading of scripts ends too if they
+/// are [`interruptible`](crate::script::interruptible) by it.
 ///
 /// If the scenario names a remote robot, the tasks drive that robot instead of a simulated one.
-pub fn simulate(job: &Job, wanted: &RunOutputs, cancel: &AtomicBool) -> RunEnd {
-    simulate_with_clients(job, wanted, cancel, None)
+pub fn simulate(job: &Job, outputs: &RunOutputs, cancel: &AtomicBool) -> RunEnd {
+    simulate_with_clients(job, outputs, cancel, None)
 }
 
 /// Like [`simulate`], with live clients; references have none.
 pub fn simulate_with_clients(
     job: &Job,
-    wanted: &RunOutputs,
+    outputs: &RunOutputs,
     cancel: &AtomicBool,
-    audience: Option<&dyn LiveClients>,
+    clients: Option<&dyn LiveClients>,
 ) -> RunEnd {
-    let audience = audience.filter(|_| job.role != Role::Reference);
+    let clients = clients.filter(|_| job.role != Role::Reference);
     match job.run.scenario.robot.backend {
         Some(_) => {
-            drive(job, wanted, cancel, audience, |setup, observer, cancel| elsewhere(job, setup, observer, cancel))
+            drive(job, outputs, cancel, clients, |setup, observer, cancel| drive_remote(job, setup, observer, cancel))
         }
-        None => drive(job, wanted, cancel, audience, here),
+        None => drive(job, outputs, cancel, clients, simulate_here),
     }
 }
 
@@ -52,50 +52,50 @@ pub fn simulate_with_clients(
 /// and may wait for it until the flag is raised.
 pub fn simulate_with_command_source(
     job: &Job,
-    wanted: &RunOutputs,
+    outputs: &RunOutputs,
     cancel: &AtomicBool,
-    audience: Option<&dyn LiveClients>,
+    clients: Option<&dyn LiveClients>,
     make: impl FnOnce(&Setup, Option<Arc<AtomicBool>>) -> Result<Box<dyn CommandSource>, RunError>,
 ) -> RunEnd {
-    drive(job, wanted, cancel, audience, |mut setup, observer, cancel| {
+    drive(job, outputs, cancel, clients, |mut setup, observer, cancel| {
         let command_source = match make(&setup, interruption_flag()) {
             Ok(command_source) => command_source,
-            Err(stop) => return RunEnd { outcome: stop.outcome, ..RunEnd::error(stop.message) },
+            Err(error) => return RunEnd { outcome: error.outcome, ..RunEnd::error(error.message) },
         };
         setup.command_source = Some(command_source);
         // State estimation and self-collision avoidance belong to the process of the tasks.
         setup.estimator = EstimatorSetup::Truth;
         setup.self_collision.iter_mut().for_each(|own| own.avoid = None);
-        here(setup, observer, cancel)
+        simulate_here(setup, observer, cancel)
     })
 }
 
 /// Builds a run, drives it and records its data.
 fn drive(
     job: &Job,
-    wanted: &RunOutputs,
+    outputs: &RunOutputs,
     cancel: &AtomicBool,
-    audience: Option<&dyn LiveClients>,
+    clients: Option<&dyn LiveClients>,
     driver: impl FnOnce(Setup, &mut dyn Observer, &AtomicBool) -> RunEnd,
 ) -> RunEnd {
     let setup = match setup(&job.run, &job.robot) {
         Ok(setup) => setup,
-        // Planning built every setup without an error, so this is a script that was interrupted.
+        // Planning built every setup without an error, so a script was interrupted.
         Err(_) if cancel.load(Ordering::Relaxed) => {
             return RunEnd { message: "interrupted".into(), ..RunEnd::of(Outcome::Cancelled) };
         }
         Err(errors) => return RunEnd::error(errors.to_string()),
     };
-    let recorder = match Recorder::open(job, wanted, &setup, (audience, cancel)) {
+    let recorder = match Recorder::open(job, outputs, &setup, (clients, cancel)) {
         Ok(recorder) => recorder,
         Err(error) => return RunEnd::error(error.to_string()),
     };
-    if let Some(audience) = audience {
-        audience.wait(cancel);
+    if let Some(clients) = clients {
+        clients.wait(cancel);
     }
-    let end = recorded(setup, recorder, cancel, driver);
-    if let Some(audience) = audience {
-        audience.farewell();
+    let end = drive_recorded(setup, recorder, cancel, driver);
+    if let Some(clients) = clients {
+        clients.finish();
     }
     end
 }
@@ -106,56 +106,56 @@ struct Recorder<'a> {
     pacer: Option<Pacer>,
     cancel: &'a AtomicBool,
     problems: Option<ProblemWriter>,
-    kept: Option<ReferenceMotion>,
-    compared: Option<Comparator>,
+    trajectory: Option<ReferenceMotion>,
+    comparator: Option<Comparator>,
 }
 
 impl<'a> Recorder<'a> {
     fn open(
         job: &Job,
-        wanted: &RunOutputs,
+        outputs: &RunOutputs,
         setup: &Setup,
-        (audience, cancel): (Option<&dyn LiveClients>, &'a AtomicBool),
+        (clients, cancel): (Option<&dyn LiveClients>, &'a AtomicBool),
     ) -> Result<Self, RecordError> {
         let problems = |(folder, which): &(PathBuf, Problems)| {
             ProblemWriter::create(folder.clone(), &job.run.name, &job.key, *which)
         };
-        let (kept, compared) = match &wanted.track {
+        let (trajectory, comparator) = match &outputs.track {
             Track::Nothing => (None, None),
             Track::Keep(rate) => (Some(ReferenceMotion::new(*rate, setup.model.nj(), setup.model.soles.len())), None),
             Track::Compare(reference) => (None, Some(Comparator::new(reference.clone()))),
         };
         Ok(Recorder {
-            kept,
-            compared,
-            log: (wanted.log.is_some() || audience.is_some())
-                .then(|| open_log(wanted.log.as_deref(), audience.map(LiveClients::outlet), job, setup))
+            trajectory,
+            comparator,
+            log: (outputs.log.is_some() || clients.is_some())
+                .then(|| open_log(outputs.log.as_deref(), clients.map(LiveClients::sink), job, setup))
                 .transpose()?,
-            pacer: audience.and_then(LiveClients::pace).map(Pacer::new),
+            pacer: clients.and_then(LiveClients::pace).map(Pacer::new),
             cancel,
-            problems: wanted.problems.as_ref().map(problems).transpose()?,
+            problems: outputs.problems.as_ref().map(problems).transpose()?,
         })
     }
 }
 
 impl Observer for Recorder<'_> {
-    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String> {
+    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), ObserverError> {
         self.pacer.iter_mut().for_each(|pacer| pacer.wait(snapshot.time, self.cancel));
         self.log.as_mut().map_or(Ok(()), |log| log.snapshot(snapshot))
     }
 
-    fn event(&mut self, event: &SimEvent) -> Result<(), String> {
+    fn event(&mut self, event: &SimEvent) -> Result<(), ObserverError> {
         self.log.as_mut().map_or(Ok(()), |log| log.event(event))
     }
 
     fn sample_rate(&self) -> f64 {
-        let kept = self.kept.as_ref().map(ReferenceMotion::rate);
-        kept.or(self.compared.as_ref().map(Comparator::rate)).unwrap_or(0.0)
+        let rate = self.trajectory.as_ref().map(ReferenceMotion::rate);
+        rate.or(self.comparator.as_ref().map(Comparator::rate)).unwrap_or(0.0)
     }
 
-    fn sample(&mut self, sample: &Sample) -> Result<(), String> {
-        self.kept.iter_mut().for_each(|trajectory| trajectory.push(sample));
-        self.compared.iter_mut().for_each(|comparator| comparator.take(sample));
+    fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
+        self.trajectory.iter_mut().for_each(|trajectory| trajectory.push(sample));
+        self.comparator.iter_mut().for_each(|comparator| comparator.take(sample));
         Ok(())
     }
 
@@ -163,12 +163,12 @@ impl Observer for Recorder<'_> {
         self.problems.as_ref().map_or(Problems::None, ProblemWriter::which)
     }
 
-    fn problem(&mut self, frozen: &SelectionRecord) -> Result<(), String> {
-        self.problems.as_mut().map_or(Ok(()), |p| p.write(frozen).map_err(|e| e.to_string()))
+    fn problem(&mut self, record: &SelectionRecord) -> Result<(), ObserverError> {
+        self.problems.as_mut().map_or(Ok(()), |p| p.write(record).map_err(ObserverError::new))
     }
 }
 
-fn recorded(
+fn drive_recorded(
     setup: Setup,
     mut recorder: Recorder<'_>,
     cancel: &AtomicBool,
@@ -182,8 +182,8 @@ fn recorded(
     };
     let mut end = driver(Setup { log_rate, ..setup }, &mut recorder, cancel);
     end.notes.extend(recorder.problems.and_then(|p| p.summary()));
-    end.comparison = recorder.compared.map(|c| c.comparison()).unwrap_or_default();
-    end.trajectory = recorder.kept;
+    end.comparison = recorder.comparator.map(|c| c.comparison()).unwrap_or_default();
+    end.trajectory = recorder.trajectory;
     // When cancelled, dropping the writer leaves a log marked as incomplete.
     let log = recorder.log.filter(|_| end.outcome != Outcome::Cancelled);
     match log.map_or(Ok(()), LogWriter::finish) {
@@ -194,11 +194,11 @@ fn recorded(
     }
 }
 
-fn here(mut setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -> RunEnd {
+fn simulate_here(mut setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -> RunEnd {
     let mut notes = std::mem::take(&mut setup.notes);
     let mut simulation = match Simulation::new(setup) {
         Ok(simulation) => simulation,
-        Err(stop) => return RunEnd { outcome: stop.outcome, ..RunEnd::error(stop.message) },
+        Err(error) => return RunEnd { outcome: error.outcome, ..RunEnd::error(error.message) },
     };
     let (outcome, message) = simulation.run(observer, cancel);
     notes.extend_from_slice(simulation.notes());
@@ -207,19 +207,19 @@ fn here(mut setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -> R
 }
 
 /// Runs the tasks here with a remote robot.
-fn elsewhere(job: &Job, mut setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -> RunEnd {
+fn drive_remote(job: &Job, mut setup: Setup, observer: &mut dyn Observer, cancel: &AtomicBool) -> RunEnd {
     let mut notes = std::mem::take(&mut setup.notes);
     let rate = job.run.scenario.control.rate;
     let spec = &job.run.scenario.robot;
     let (host, port) = spec.backend.as_deref().and_then(host_and_port).unwrap_or_default();
-    let key = spec.backend_key.as_deref().map(|written| job.run.resolve(written));
+    let key = spec.backend_key.as_deref().map(|path| job.run.resolve(path));
     let connected = Address::read(host, port, key.as_deref())
-        .and_then(|address| Remote::connect(&address, &setup.model, rate, None, interruption_flag()));
+        .and_then(|address| RobotClient::connect(&address, &setup.model, rate, None, interruption_flag()));
     let mut robot = match connected {
         Ok(robot) => robot,
         Err(error) => {
-            let stop = RunError::from(error);
-            return RunEnd { outcome: stop.outcome, notes, ..RunEnd::error(stop.message) };
+            let error = RunError::from(error);
+            return RunEnd { outcome: error.outcome, notes, ..RunEnd::error(error.message) };
         }
     };
     let mut run = RemoteRun::new(setup);
@@ -231,13 +231,13 @@ fn elsewhere(job: &Job, mut setup: Setup, observer: &mut dyn Observer, cancel: &
 
 fn open_log(
     path: Option<&Path>,
-    outlet: Option<Box<dyn MessageSink>>,
+    sink: Option<Box<dyn MessageSink>>,
     job: &Job,
     setup: &Setup,
 ) -> Result<LogWriter, RecordError> {
     let topics = topics(&job.run.scenario.log.topics);
     open_log_of(
-        (path, outlet),
+        (path, sink),
         &job.run,
         &job.key,
         &job.robot,
@@ -249,7 +249,7 @@ fn open_log(
 
 /// Opens the log of a run with this robot and floor.
 pub(crate) fn open_log_of(
-    (path, outlet): (Option<&Path>, Option<Box<dyn MessageSink>>),
+    (path, sink): (Option<&Path>, Option<Box<dyn MessageSink>>),
     run: &Run,
     key: &str,
     robot: &Robot,
@@ -276,10 +276,11 @@ pub(crate) fn open_log_of(
         patches: &patches,
         topics,
     };
-    LogWriter::open(path, outlet, model, &header)
+    LogWriter::open(path, sink, model, &header)
 }
 
-/// The robot file's name and text, if there is one, and the URDF's name. The URDF comes after the robot file.
+/// The robot file's name and text, if there is one, and the URDF's name. The URDF comes after the
+/// robot file.
 fn documents(robot: &Robot) -> (Option<(String, Cow<'_, str>)>, String) {
     let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let is_toml = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
@@ -298,10 +299,10 @@ fn pose(floor: &Floor) -> Isometry3<f64> {
 }
 
 /// Topic groups that a scenario logs.
-pub(crate) fn topics(wanted: &[LogTopic]) -> TopicGroups {
+pub(crate) fn topics(logged: &[LogTopic]) -> TopicGroups {
     TopicGroups {
-        state: wanted.contains(&LogTopic::State),
-        contact: wanted.contains(&LogTopic::Contact),
-        scene: wanted.contains(&LogTopic::Scene),
+        state: logged.contains(&LogTopic::State),
+        contact: logged.contains(&LogTopic::Contact),
+        scene: logged.contains(&LogTopic::Scene),
     }
 }

@@ -1,5 +1,4 @@
-//! The state machine that turns the commands of the tasks into commands free of self-collision,
-//! tick by tick.
+//! Converts the commands of the tasks into commands free of self-collision, tick by tick.
 
 use std::sync::Arc;
 
@@ -16,17 +15,17 @@ use crate::motion::spline::TrajectoryPoint;
 use crate::robot::Model;
 
 /// Longest time over which an acceleration is extrapolated, s.
-const FARTHEST: f64 = 0.1;
+const MAX_HORIZON: f64 = 0.1;
 
 /// Time between cycles while a joint catches up with a motion that exceeds its limits, s.
 const CATCH_UP: f64 = 0.01;
 
-/// The joints at a tick, one entry per joint. Positions and velocities are commands, rewritten
-/// where they are not safe.
+/// The joints at a tick, one entry per joint. Positions and velocities are commands, which are
+/// replaced where they are not safe.
 pub struct JointCommands<'a> {
     /// True for joints that follow their position command.
     pub follows: &'a [bool],
-    /// Measured positions of the joints that do not.
+    /// Measured positions of the other joints.
     pub measured: &'a [f64],
     /// Their measured velocities.
     pub rates: &'a [f64],
@@ -36,7 +35,7 @@ pub struct JointCommands<'a> {
     pub velocity: &'a mut [f64],
 }
 
-/// Keeps joint commands free of self-collision; see [`super`]. Allocates nothing after
+/// Keeps joint commands free of self-collision, see [`super`]. Does not allocate after
 /// construction.
 pub struct Avoider {
     collision: Arc<CollisionModel>,
@@ -44,13 +43,14 @@ pub struct Avoider {
     planner: Planner,
     methods: Methods,
     desired: DesiredMotion,
-    /// Motion of the joints at the beginning of the cycle's paths.
+    /// Motion of the joints at the start of the cycle's paths.
     here: Vec<TrajectoryPoint>,
     tick_check: TickCheck,
     /// Commands of the last ticks.
     commanded: PositionHistory,
     /// Paths of the joints that are not free.
     paths: Vec<JointPath>,
+    /// Joints that may not follow the desired motion.
     refused: Vec<bool>,
     /// Time of the last tick, s.
     last: f64,
@@ -63,7 +63,7 @@ pub struct Avoider {
 }
 
 impl Avoider {
-    /// For a robot commanded to hold `start` at time `begin`, with ticks `period` seconds apart.
+    /// For a robot commanded to hold `start` at time `begin`, with ticks every `period` seconds.
     pub fn new(
         model: &Model,
         collision: Arc<CollisionModel>,
@@ -92,7 +92,7 @@ impl Avoider {
         }
     }
 
-    /// For each joint: true while it is kept from its desired position.
+    /// For each joint: whether a method keeps it from its desired position.
     pub fn stopped(&self) -> &[bool] {
         &self.planner.stopped
     }
@@ -102,7 +102,7 @@ impl Avoider {
         self.desired.now(joint).q
     }
 
-    /// One tick at time `now`: rewrites the desired `commands` to safe ones.
+    /// One tick at time `now`: replaces the desired `commands` by safe ones.
     pub fn tick(&mut self, model: &Model, now: f64, commands: &mut JointCommands) {
         self.planner.now = now;
         let changes = self.update_modes(commands);
@@ -124,7 +124,7 @@ impl Avoider {
             let desired = self.desired.now(j);
             let mut out = self.command_at(j, now);
             if self.tick_check.mode[j] == JointMode::Free && commands.position[j] == desired.q {
-                // The velocity command passes unchanged, whether or not it fits the positions.
+                // The velocity command is not changed, whether or not it fits the positions.
                 out.v += commands.velocity[j] - desired.v;
             }
             (commands.position[j], commands.velocity[j]) = (out.q, out.v);
@@ -139,7 +139,7 @@ impl Avoider {
     }
 
     /// Updates which joints follow their commands. A joint that begins to follow continues from its
-    /// measured motion; true when a joint has changed.
+    /// measured motion. Returns whether a joint has changed.
     fn update_modes(&mut self, commands: &JointCommands) -> bool {
         let mut changes = false;
         for j in 0..commands.follows.len() {
@@ -176,7 +176,7 @@ impl Avoider {
         self.tick_check.allows(robot, &self.planner.candidate, motion, &self.paths, limits, refused)
     }
 
-    /// Plans the paths of the joints anew, from their state at the last tick.
+    /// Plans new paths of the joints, from their state at the last tick.
     fn cycle(&mut self, model: &Model, commands: &JointCommands, due: bool) {
         let before = self.planner.candidate.detector.counts.postures;
         self.predict(commands);
@@ -229,7 +229,7 @@ impl Avoider {
     fn propose_goals(&mut self, commands: &JointCommands) {
         let planner = &mut self.planner;
         let (begin, period) = (self.last, 1.0 / planner.settings.rate);
-        let horizon = period.min(FARTHEST);
+        let horizon = period.min(MAX_HORIZON);
         planner.stopped.fill(false);
         for (j, limits) in planner.settings.limits.iter().enumerate() {
             planner.proposed[j] = planner.candidate.fallback[j];
@@ -251,26 +251,26 @@ impl Avoider {
         }
     }
 
-    /// Lets the joints follow the candidate, free where that is safe. Only regular cycles set a
-    /// joint free: between them a joint that was refused stays on its path.
+    /// Lets the joints follow the candidate, free where that is safe. Only regular cycles free a
+    /// joint: until then a refused joint stays on its path.
     fn adopt(&mut self, robot: Robot, due: bool) {
         let planner = &self.planner;
         let (candidate, period) = (&planner.candidate, 1.0 / planner.settings.rate);
         let check = &mut self.tick_check;
         for (j, limits) in planner.settings.limits.iter().enumerate() {
             let path = candidate.paths[j];
-            let was = check.mode[j];
-            if was == JointMode::Uncontrolled {
+            let previous = check.mode[j];
+            if previous == JointMode::Uncontrolled {
                 continue;
             }
             self.paths[j] = path;
             check.mode[j] = JointMode::OnPath;
-            let may = due || check.late[j];
-            if planner.stopped[j] || path != planner.proposed[j] || (was == JointMode::OnPath && !may) {
+            let may_free = due || check.late[j];
+            if planner.stopped[j] || path != planner.proposed[j] || (previous == JointMode::OnPath && !may_free) {
                 continue;
             }
             let (here, desired) = (path.at(candidate.begin), self.desired.before(j));
-            let offset = match was {
+            let offset = match previous {
                 JointMode::Free => Some(check.offset[j]),
                 _ => DecayingOffset::new(&here, &desired, candidate.begin, period, limits),
             };

@@ -1,4 +1,5 @@
-//! A set of candidate paths under proof, with the fallback paths that the joints follow otherwise.
+//! A set of candidate paths to be proven free, with the fallback paths that the joints follow
+//! otherwise.
 
 use super::Limits;
 use super::joint_path::JointPath;
@@ -8,7 +9,7 @@ use crate::collision::{CollisionModel, Detector, Proximity};
 use crate::motion::spline::TrajectoryPoint;
 use crate::robot::Model;
 
-/// Robot, bodies and levers of a candidate.
+/// Robot, bodies, levers and margin (m) of a proof.
 #[derive(Clone, Copy)]
 pub(super) struct Robot<'a> {
     pub model: &'a Model,
@@ -17,15 +18,15 @@ pub(super) struct Robot<'a> {
     pub margin: f64,
 }
 
-/// Excess of the measured over the needed distance, relative and in m, to leave room for the
-/// motions of the following ticks.
-const MORE: (f64, f64) = (1.5, 0.02);
+/// Excess of the measured over the needed distance, relative and in m, for the motions of the
+/// following ticks.
+const EXCESS: (f64, f64) = (1.5, 0.02);
 
 /// Samples of a path that leads out of an overlap.
 const SAMPLES: usize = 32;
 
-/// Approach allowed to a pair within the margin on its way out, m: the proof needs this room.
-const LEAVING: f64 = 5e-4;
+/// Approach allowed to a pair that leaves the margin, m: the proof needs this tolerance.
+const APPROACH: f64 = 5e-4;
 
 /// Candidate paths and the workspace of a cycle.
 pub(super) struct CandidatePaths {
@@ -35,13 +36,13 @@ pub(super) struct CandidatePaths {
     pub begin: f64,
     /// The posture at that time.
     pub anchor: Vec<f64>,
-    /// Lower bounds of the pairs' distances in it, m.
+    /// Lower bounds of the pairs' distances in that posture, m.
     pub clearance: Vec<f64>,
-    /// Distances of the bodies from the joints' axes in it.
+    /// Distances of the bodies from the joints' axes in that posture.
     radii: Vec<f64>,
-    /// Fallback paths of the joints, proven before.
+    /// Fallback paths of the joints, proven earlier.
     pub fallback: Vec<JointPath>,
-    /// Candidate paths.
+    /// The candidate paths.
     pub paths: Vec<JointPath>,
     /// Greatest distance of each joint from the anchor.
     pub reach: Vec<f64>,
@@ -93,25 +94,25 @@ impl CandidatePaths {
 
     /// Measures the distances at the anchor as far as the present reaches require.
     pub fn measure(&mut self, robot: Robot) {
-        self.prover.set_posture(robot.model, robot.collision, &mut self.detector, &self.anchor);
+        self.prover.set_posture(robot, &mut self.detector, &self.anchor);
         for (pair, clearance) in self.clearance.iter_mut().enumerate() {
             let need = robot.margin + robot.levers.change(pair, &self.reach);
-            *clearance = self.detector.clearance(robot.collision, pair, MORE.0 * need + MORE.1);
+            *clearance = self.detector.clearance(robot.collision, pair, EXCESS.0 * need + EXCESS.1);
             robot.levers.measure(pair, self.prover.poses(), &mut self.radii);
         }
     }
 
-    /// True if the test at the anchor alone proves that a pair is free.
+    /// Whether the test at the anchor alone proves that a pair is free.
     pub fn is_clear(&self, robot: Robot, pair: usize) -> bool {
         self.stays_clear(robot, pair, &self.reach)
     }
 
-    /// True if it proves that for all joint positions within `travel` of the anchor.
+    /// Whether it proves that for all joint positions within `travel` of the anchor.
     pub fn stays_clear(&self, robot: Robot, pair: usize, travel: &[f64]) -> bool {
         self.clearance[pair] - robot.levers.change_from(pair, &self.radii, travel) > robot.margin
     }
 
-    /// True if the candidate is proven free. If not, `colliding` holds pairs that are not.
+    /// Whether the candidate is proven free. If not, `colliding` contains pairs that are not.
     pub fn succeeds(&mut self, robot: Robot) -> bool {
         self.open.clear();
         self.colliding.clear();
@@ -129,9 +130,8 @@ impl CandidatePaths {
             }
         }
         if !self.open.is_empty() {
-            let parts = (robot.model, robot.collision, robot.levers);
             let (paths, pairs, found) = (&self.paths, &self.open, &mut self.colliding);
-            self.prover.prove(parts, &mut self.detector, paths, self.begin, robot.margin, pairs, found);
+            self.prover.prove(robot, &mut self.detector, paths, self.begin, pairs, found);
         }
         if leaving {
             for pair in 0..self.clearance.len() {
@@ -145,31 +145,22 @@ impl CandidatePaths {
         self.colliding.is_empty()
     }
 
-    /// True if a pair within the margin at the anchor moves apart, and hardly closer on the way.
-    /// Such pairs occur only where an uncontrolled joint has moved, or a motion was changed from
-    /// outside.
+    /// Whether a pair within the margin at the anchor moves apart, and hardly closer before. Such
+    /// pairs occur only if an uncontrolled joint has moved, or a motion was changed from outside.
     fn leaves(&mut self, robot: Robot, pair: usize) -> bool {
-        let own = robot.levers.of(pair).iter().map(|lever| self.paths[lever.joint].end());
-        let end = own.fold(self.begin, f64::max);
+        let ends = robot.levers.of(pair).iter().map(|lever| self.paths[lever.joint].end());
+        let end = ends.fold(self.begin, f64::max);
         let first = self.distance_at(robot, pair, self.begin);
         let last = self.distance_at(robot, pair, end);
         if !(last > first) {
             return false;
         }
-        let floor = first - LEAVING;
+        let floor = first - APPROACH;
         if floor > 0.0 {
-            let parts = (robot.model, robot.collision, robot.levers);
-            return self.prover.prove(
-                parts,
-                &mut self.detector,
-                &self.paths,
-                self.begin,
-                floor,
-                &[pair],
-                &mut self.open,
-            );
+            let robot = Robot { margin: floor, ..robot };
+            return self.prover.prove(robot, &mut self.detector, &self.paths, self.begin, &[pair], &mut self.open);
         }
-        // Overlapping, or nearly: no margin can be proven, so depths are sampled.
+        // No margin can be proven for overlapping bodies, or nearly so: depths are sampled.
         let mut before = first;
         for k in 1..=SAMPLES {
             let now = self.distance_at(robot, pair, self.begin + (end - self.begin) * k as f64 / SAMPLES as f64);
@@ -183,12 +174,12 @@ impl CandidatePaths {
 
     fn distance_at(&mut self, robot: Robot, pair: usize, t: f64) -> f64 {
         self.posture.iter_mut().zip(&self.paths).for_each(|(q, path)| *q = path.at(t).q);
-        self.prover.set_posture(robot.model, robot.collision, &mut self.detector, &self.posture);
+        self.prover.set_posture(robot, &mut self.detector, &self.posture);
         self.detector.proximity(robot.collision, pair).distance
     }
 
     /// Brakes the joints whose fallback an uncontrolled joint has blocked, if braking causes no
-    /// other collision. `here` holds their motion at the start.
+    /// other collision. `here` is their motion at the start.
     pub fn brake(&mut self, robot: Robot, here: &[TrajectoryPoint], limits: &[Limits]) {
         self.open.clear();
         for pair in 0..self.clearance.len() {
@@ -199,9 +190,8 @@ impl CandidatePaths {
                 self.open.push(pair);
             }
         }
-        let parts = (robot.model, robot.collision, robot.levers);
         let (detector, found) = (&mut self.detector, &mut self.colliding);
-        let proven = self.prover.prove(parts, detector, &self.fallback, self.begin, robot.margin, &self.open, found);
+        let proven = self.prover.prove(robot, detector, &self.fallback, self.begin, &self.open, found);
         if self.open.is_empty() || proven {
             return;
         }
@@ -215,7 +205,7 @@ impl CandidatePaths {
         }
         let braked = self.succeeds(robot);
         for j in 0..self.changed.len() {
-            if self.changed[j] && (braked || !self.hits_followed(robot)) {
+            if self.changed[j] && (braked || !self.has_controlled_collision(robot)) {
                 self.fallback[j] = self.paths[j];
             }
         }
@@ -225,25 +215,24 @@ impl CandidatePaths {
         self.colliding.clear();
     }
 
-    /// True if one of the colliding pairs has no uncontrolled joints.
-    fn hits_followed(&self, robot: Robot) -> bool {
+    /// Whether one of the colliding pairs has no uncontrolled joints.
+    fn has_controlled_collision(&self, robot: Robot) -> bool {
         self.colliding.iter().any(|pair| robot.levers.of(*pair).iter().all(|l| !self.uncontrolled[l.joint]))
     }
 
     /// Nearest points of a pair at time `t` of `paths`; leaves the prover's poses at that time.
     pub fn proximity_at(&mut self, robot: Robot, paths: &[JointPath], t: f64, pair: usize) -> Proximity {
         self.posture.iter_mut().zip(paths).for_each(|(q, path)| *q = path.at(t).q);
-        self.prover.set_posture(robot.model, robot.collision, &mut self.detector, &self.posture);
+        self.prover.set_posture(robot, &mut self.detector, &self.posture);
         self.detector.proximity(robot.collision, pair)
     }
 
-    /// True if all pairs are free on `paths`, from any start.
+    /// Whether all pairs are free on `paths`, from any start.
     pub fn is_free(&mut self, robot: Robot, paths: &[JointPath]) -> bool {
         self.open.clear();
         self.open.extend(0..self.clearance.len());
-        let parts = (robot.model, robot.collision, robot.levers);
         let (begin, pairs, found) = (self.begin, &self.open, &mut self.colliding);
-        self.prover.prove(parts, &mut self.detector, paths, begin, robot.margin, pairs, found);
+        self.prover.prove(robot, &mut self.detector, paths, begin, pairs, found);
         let free = self.colliding.is_empty();
         self.colliding.clear();
         free

@@ -3,10 +3,10 @@
 //!
 //! Commanded velocities are used where they fit the positions,
 //! `|dq - (v + v') T / 2| <= T (|dv| + |dv'|) / 4` with the time T between ticks, dv the change of
-//! velocity in this tick and dv' in the last one (a smooth motion of jerk j misses by j T^3 / 12,
-//! and dv changes by j T^2); their change is the acceleration. Otherwise both are backward
+//! velocity in this tick and dv' in the last one (a smooth motion of jerk j deviates by j T^3 / 12,
+//! and dv changes by j T^2). Their change is the acceleration. Otherwise both are backward
 //! differences over [`WINDOW`], long enough that the last digits of a filtered reading do not
-//! appear as acceleration. Where these show a jerk near the limit, only the velocity common to two
+//! appear as acceleration. If these show a jerk near the limit, only the velocity common to two
 //! windows is used.
 
 use super::Limits;
@@ -16,7 +16,7 @@ use crate::motion::spline::TrajectoryPoint;
 /// Time over which differences are taken, s, or one tick if that is longer.
 const WINDOW: f64 = 0.01;
 
-/// Part of the jerk limit below which a motion without usable velocities counts as smooth.
+/// Fraction of the jerk limit below which a motion without usable velocities counts as smooth.
 const SMOOTH: f64 = 0.25;
 
 /// Rounding of positions, rad or m.
@@ -34,7 +34,7 @@ pub(super) struct PositionHistory {
 }
 
 impl PositionHistory {
-    /// At rest at `start`; ticks come `period` seconds apart.
+    /// At rest at `start`, with ticks every `period` seconds.
     pub fn new(start: &[f64], period: f64) -> Self {
         let stride = (WINDOW / period - 1e-9).ceil().max(1.0) as usize;
         PositionHistory { period, stride, joints: start.len(), all: start.repeat(3 * stride + 1), newest: 0 }
@@ -61,7 +61,7 @@ impl PositionHistory {
         self.all[(self.newest + n - ticks) % n * self.joints + j]
     }
 
-    /// True if `next` as the next position keeps the limits over the windows that end there, and
+    /// Whether `next` as the next position keeps the limits over the windows that end there, and
     /// hardly jumps.
     pub fn may_be_followed_by(&self, j: usize, next: f64, limits: &Limits) -> bool {
         let (h, t) = (self.window(), self.period);
@@ -92,7 +92,7 @@ pub(super) struct DesiredMotion {
 }
 
 impl DesiredMotion {
-    /// At rest at `start`; ticks come `period` seconds apart.
+    /// At rest at `start`, with ticks every `period` seconds.
     pub fn new(start: &[f64], period: f64) -> Self {
         let now: Vec<TrajectoryPoint> = start.iter().map(|&q| TrajectoryPoint { q, v: 0.0, a: 0.0 }).collect();
         DesiredMotion {
@@ -123,13 +123,13 @@ impl DesiredMotion {
         self.velocity.copy_from_slice(velocity);
     }
 
-    /// True if the commanded velocity of this tick fits the commanded position.
+    /// Whether the commanded velocity of this tick fits the commanded position.
     fn fits(&self, j: usize, commanded: f64, v_commanded: f64) -> bool {
         let (t, last) = (self.period, self.velocity[j]);
         let q = self.history.back(j, 0);
         let bend = q - self.before[j].q - 0.5 * t * (v_commanded + last);
         let changes = (v_commanded - last).abs() + self.change[j].abs();
-        // Where the range clips the position, the commanded velocity does not belong to the motion.
+        // If the range clips the position, the commanded velocity does not belong to the motion.
         q == commanded && bend.abs() <= 0.25 * t * changes + ROUNDING
     }
 
@@ -174,12 +174,12 @@ impl DesiredMotion {
         (a - 3.0 * b + 3.0 * c - d) / self.history.window().powi(3)
     }
 
-    /// True if the commanded velocities fit the positions.
+    /// Whether the commanded velocities fit the positions.
     pub fn has_velocity(&self, j: usize) -> bool {
         self.fitting[j] == 3
     }
 
-    /// True if it keeps the limits. A motion that does not cannot be extrapolated.
+    /// Whether it keeps the limits; otherwise it cannot be extrapolated.
     fn keeps(&self, j: usize, limits: &Limits) -> bool {
         let TrajectoryPoint { v, a, .. } = self.now[j];
         let more = 1.0 + 1e-6;
@@ -241,8 +241,8 @@ mod tests {
             assert!((now.a - a).abs() <= 13.5 * window * 1.1, "{now:?} {a}");
             // The mean of the last 30 ms lags by 15 ms (1 ms with velocity); the fourth derivative
             // is at most 40.5.
-            let late = if v_commanded { 0.001 } else { 0.015 };
-            assert!((found.jerk(0) - jerk).abs() <= 40.5 * late * 1.1, "{} {jerk}", found.jerk(0));
+            let lag = if v_commanded { 0.001 } else { 0.015 };
+            assert!((found.jerk(0) - jerk).abs() <= 40.5 * lag * 1.1, "{} {jerk}", found.jerk(0));
         }
     }
 

@@ -1,14 +1,14 @@
 //! Method 4: an intermediate posture from which the path to the goal is free.
 //!
-//! At the first posture x of the proposed motion that is too near, with the gradient of the pair's
-//! distance d over the joints that are stopped short of their goals (n the normal from A to B, a
-//! and b the nearest points, z_k and o_k axis and origin of joint k)
+//! Let g be the gradient of the pair's distance at the first posture of the proposed motion that is
+//! too near, over the joints that are stopped short of their goals (n the normal from A to B, a and
+//! b the nearest points, z_k and o_k axis and origin of joint k),
 //!
 //! ```text
 //! g_k = n . (z_k x (b - o_k))  for a joint that carries B,   - n . (z_k x (a - o_k))  for one that carries A
 //! ```
 //!
-//! and its unit vector u, the remaining motion e is led past the obstacle and away from it,
+//! and u its unit vector. The remaining motion e is diverted past the obstacle and away from it,
 //!
 //! ```text
 //! m = c + k (e - min(0, e . u) u) + w u,   e = goal - c
@@ -41,27 +41,33 @@ const ARRIVED: f64 = 0.01;
 pub(super) struct Detour {
     posture: Vec<f64>,
     joints: Vec<bool>,
-    /// Cycles left; 0 when no detour is followed.
-    left: u32,
+    /// Remaining cycles; 0 when no detour is followed.
+    remaining: u32,
     gradient: Vec<f64>,
     toward: Vec<f64>,
 }
 
 impl Detour {
-    /// No detour yet.
+    /// Without a detour.
     pub fn new(joints: usize) -> Self {
         let zero = vec![0.0; joints];
-        Detour { posture: zero.clone(), joints: vec![false; joints], left: 0, gradient: zero.clone(), toward: zero }
+        Detour {
+            posture: zero.clone(),
+            joints: vec![false; joints],
+            remaining: 0,
+            gradient: zero.clone(),
+            toward: zero,
+        }
     }
 
-    /// True while a detour is followed.
+    /// Whether a detour is followed.
     pub fn is_active(&self) -> bool {
-        self.left > 0
+        self.remaining > 0
     }
 
     /// Ends the detour: the direct path is free.
     pub fn end(&mut self) {
-        self.left = 0;
+        self.remaining = 0;
     }
 
     /// Continues the detour, or searches one around the blocking pair `first`.
@@ -75,13 +81,13 @@ impl Detour {
     }
 
     fn follow(&mut self, planner: &mut Planner, robot: Robot) {
-        self.left -= 1;
+        self.remaining -= 1;
         let arrived = |j: usize| !self.joints[j] || (planner.candidate.anchor[j] - self.posture[j]).abs() < ARRIVED;
         if (0..self.joints.len()).all(arrived) {
-            self.left = 0;
+            self.remaining = 0;
             return;
         }
-        // Joints stopped since the detour began stay; those no longer stopped go to their goals.
+        // Joints stopped since the detour began stay; joints no longer stopped move to their goals.
         for ((marked, stopped), part) in planner.marked.iter_mut().zip(&planner.stopped).zip(&self.joints) {
             *marked = *stopped && *part;
         }
@@ -113,22 +119,23 @@ impl Detour {
             }
             planner.marked.copy_from_slice(&self.joints);
             if self.leads_to_goal(planner, robot) {
-                self.left = PATIENCE;
+                self.remaining = PATIENCE;
                 return;
             }
             planner.undo_marked();
         }
     }
 
-    /// Tries the intermediate posture; true when it can be reached and the goal can be reached from
-    /// it.
+    /// Tries the intermediate posture. Returns whether it can be reached and the goal can be
+    /// reached from it.
     fn leads_to_goal(&self, planner: &mut Planner, robot: Robot) -> bool {
         planner.try_marked(robot, |planner, j| planner.path_to_rest(j, self.posture[j]))
             && planner.goal_is_reachable(robot)
     }
 
     /// Sets the unit gradient of a pair's distance over the joints of the detour, where the
-    /// proposed motion first comes too near; false when these joints cannot change the distance.
+    /// proposed motion first comes too near. Returns false if these joints cannot change the
+    /// distance.
     fn find_gradient(&mut self, planner: &mut Planner, robot: Robot, pair: usize) -> bool {
         let nearest = first_too_near(planner, robot, pair);
         let gradient = &mut self.gradient;
@@ -150,8 +157,8 @@ impl Detour {
     }
 }
 
-/// Nearest points of a pair at the first sample of the proposed motion within the margin, or else
-/// at the nearest one.
+/// Nearest points of a pair at the first sample of the proposed motion within the margin, or at the
+/// nearest sample if there is none.
 fn first_too_near(planner: &mut Planner, robot: Robot, pair: usize) -> Proximity {
     let (candidate, proposed) = (&mut planner.candidate, &planner.proposed);
     let begin = candidate.begin;
@@ -168,7 +175,7 @@ fn first_too_near(planner: &mut Planner, robot: Robot, pair: usize) -> Proximity
         }
     }
     let (t, found) = nearest.expect("there are samples");
-    // The poses are those of the last sample: restore the nearest one's.
+    // The poses are those of the last sample: restore those of the nearest one.
     candidate.proximity_at(robot, proposed, t, pair);
     found
 }

@@ -10,8 +10,8 @@
 //! j1 = -v / d^2 - 3 a / (2 d),   j2 = v / d^2 + a / (2 d)
 //! ```
 //!
-//! with the smallest d of a geometric series that keeps the limits. A *go* meets (q1, v1, a1) after
-//! three pieces of length d, with `A = (a1 - a0) / d`, `B = (v1 - v0 - 3 d a0) / d^2`,
+//! with the smallest d of a geometric series that keeps the limits. A *transfer* reaches (q1, v1,
+//! a1) after three pieces of length d, with `A = (a1 - a0) / d`, `B = (v1 - v0 - 3 d a0) / d^2`,
 //! `C = (q1 - q0 - 3 d v0 - 9/2 d^2 a0) / d^3`
 //!
 //! ```text
@@ -34,17 +34,17 @@ fn after(from: &TrajectoryPoint, jerk: f64, s: f64) -> TrajectoryPoint {
     }
 }
 
-/// Pieces of the longest path: three to go and two to stop.
+/// Pieces of the longest path: a transfer of three and a stop of two.
 const PIECES: usize = 5;
 
-/// Ranges are kept to this rounding, relative and in rad or m.
+/// Rounding tolerated in ranges, relative and in rad or m.
 const RANGE_ROUNDING: f64 = 1e-9;
 
-/// Limits are kept to this relative rounding.
+/// Relative rounding tolerated in limits.
 const ROUNDING: f64 = 1e-6;
 
-/// Durations tried for a path grow by this factor up to this length, s.
-const LONGER: (f64, f64) = (1.2, 30.0);
+/// Growth factor and maximum, s, of the durations tried for a path.
+const DURATIONS: (f64, f64) = (1.2, 30.0);
 
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 struct Piece {
@@ -65,7 +65,7 @@ pub struct JointPath {
 }
 
 impl JointPath {
-    /// At rest.
+    /// At rest at `q`.
     pub fn resting(q: f64) -> Self {
         JointPath { pieces: [Piece::default(); PIECES], count: 0, rest: q, end: f64::NEG_INFINITY }
     }
@@ -87,9 +87,15 @@ impl JointPath {
         path
     }
 
-    /// From `from` at `begin` to `to` after `duration`, and then to rest; none when that breaks a
+    /// From `from` at `begin` to `to` after `duration`, and then to rest; none if that breaks a
     /// limit.
-    pub fn go(from: TrajectoryPoint, begin: f64, to: TrajectoryPoint, duration: f64, limits: &Limits) -> Option<Self> {
+    pub fn transfer(
+        from: TrajectoryPoint,
+        begin: f64,
+        to: TrajectoryPoint,
+        duration: f64,
+        limits: &Limits,
+    ) -> Option<Self> {
         let mut path = JointPath::resting(to.q);
         let d = duration / 3.0;
         let a = (to.a - from.a) / d;
@@ -118,15 +124,15 @@ impl JointPath {
         limits: &Limits,
         target: impl Fn(f64) -> TrajectoryPoint,
     ) -> Option<Self> {
-        // From rest to rest over x the jerk is 54 x / T^3; no much shorter path keeps its limit.
+        // From rest to rest over x the jerk is 54 x / T^3: a much shorter path breaks its limit.
         let distance = (target(shortest).q - here.q).abs();
         let mut duration = shortest.max(0.5 * (54.0 * distance / limits.jerk).cbrt());
-        while duration <= LONGER.1.max(2.0 * shortest) {
-            let path = JointPath::go(here, begin, target(duration), duration, limits);
+        while duration <= DURATIONS.1.max(2.0 * shortest) {
+            let path = JointPath::transfer(here, begin, target(duration), duration, limits);
             if path.is_some() {
                 return path;
             }
-            duration *= LONGER.0;
+            duration *= DURATIONS.0;
         }
         None
     }
@@ -201,11 +207,11 @@ impl JointPath {
         (high - q).max(q - low)
     }
 
-    /// True if it keeps the limits of jerk, acceleration, speed and range.
+    /// Whether it keeps the limits of jerk, acceleration, speed and range.
     pub fn keeps(&self, limits: &Limits) -> bool {
         let more = 1.0 + ROUNDING;
         let pieces = &self.pieces[..self.count];
-        let fast = |p: &Piece| {
+        let piece_keeps = |p: &Piece| {
             let length = p.end - p.begin;
             let last = after(&p.from, p.jerk, length);
             let flat = Some(-p.from.a / p.jerk).filter(|s| *s > 0.0 && *s < length);
@@ -216,10 +222,10 @@ impl JointPath {
                 && acceleration <= limits.acceleration * more
                 && speed <= limits.speed * more
         };
-        pieces.iter().all(fast) && self.stays(pieces.first().map_or(self.end, |p| p.begin), limits)
+        pieces.iter().all(piece_keeps) && self.stays(pieces.first().map_or(self.end, |p| p.begin), limits)
     }
 
-    /// True if it stays within the range from `from` on. A path that begins outside may return.
+    /// Whether it stays within the range from `from` on. A path that begins outside may return.
     fn stays(&self, from: f64, limits: &Limits) -> bool {
         let [low, high] = self.range(from, self.end.max(from));
         let start = self.at(from).q;
@@ -252,14 +258,14 @@ mod tests {
     }
 
     #[test]
-    fn a_go_meets_its_target_and_ends_at_rest() {
+    fn a_transfer_reaches_its_target_and_ends_at_rest() {
         let mut r = Stream::new(1, &["go"]);
-        let mut gone = 0;
+        let mut found = 0;
         for _ in 0..2000 {
             let (from, to) = (random(&mut r), random(&mut r));
             let duration = 0.1 + r.unit();
-            let Some(path) = JointPath::go(from, 3.0, to, duration, &LIMITS) else { continue };
-            gone += 1;
+            let Some(path) = JointPath::transfer(from, 3.0, to, duration, &LIMITS) else { continue };
+            found += 1;
             // Rounding of d^3 j with j up to 800, and of the cubes' sums, relative to 1.
             let (start, end) = (path.at(3.0), after(&path.pieces[2].from, path.pieces[2].jerk, duration / 3.0));
             assert_eq!(start, from);
@@ -268,7 +274,7 @@ mod tests {
             let rest = path.at(path.end() + 1.0);
             assert!((path.at(path.end() - 1e-9).q - rest.q).abs() < 1e-8 && rest.v == 0.0 && rest.a == 0.0);
         }
-        assert!(gone > 500, "{gone}");
+        assert!(found > 500, "{found}");
     }
 
     #[test]
@@ -277,8 +283,8 @@ mod tests {
         for _ in 0..500 {
             let (from, to) = (random(&mut r), random(&mut r));
             let stop = JointPath::stop(from, 0.0, &LIMITS);
-            let go = JointPath::go(from, 0.0, to, 0.1 + r.unit(), &LIMITS);
-            for (path, whole) in [(Some(stop), false), (go, true)] {
+            let transfer = JointPath::transfer(from, 0.0, to, 0.1 + r.unit(), &LIMITS);
+            for (path, whole) in [(Some(stop), false), (transfer, true)] {
                 let Some(path) = path else { continue };
                 let n = 4000;
                 let (mut low, mut high, mut before) = (f64::INFINITY, f64::NEG_INFINITY, path.at(0.0));
@@ -310,19 +316,19 @@ mod tests {
     }
 
     #[test]
-    fn paths_that_break_a_limit_are_refused() {
+    fn paths_that_break_a_limit_are_rejected() {
         let rest = |q| TrajectoryPoint { q, v: 0.0, a: 0.0 };
         // 54 x / T^3 of jerk: 0.5 in 0.3 s takes 1000; 0.4 s are enough.
-        assert!(JointPath::go(rest(0.0), 0.0, rest(0.5), 0.3, &LIMITS).is_none());
-        assert!(JointPath::go(rest(0.0), 0.0, rest(0.5), 0.4, &LIMITS).is_some());
+        assert!(JointPath::transfer(rest(0.0), 0.0, rest(0.5), 0.3, &LIMITS).is_none());
+        assert!(JointPath::transfer(rest(0.0), 0.0, rest(0.5), 0.4, &LIMITS).is_some());
         // Beyond the range, even where it ends within it.
-        assert!(JointPath::go(rest(0.0), 0.0, rest(2.1), 5.0, &LIMITS).is_none());
+        assert!(JointPath::transfer(rest(0.0), 0.0, rest(2.1), 5.0, &LIMITS).is_none());
         let up = TrajectoryPoint { q: 1.99, v: 1.0, a: 0.0 };
-        assert!(JointPath::go(up, 0.0, rest(1.99), 0.5, &LIMITS).is_none());
+        assert!(JointPath::transfer(up, 0.0, rest(1.99), 0.5, &LIMITS).is_none());
         // The mean speed of 2 rad in 0.88 s is within 5, the greatest, 2.25 times that at the
         // middle, is not.
         let wide = Limits { acceleration: 1e3, jerk: 1e5, ..LIMITS };
-        assert!(JointPath::go(rest(0.0), 0.0, rest(2.0), 0.88, &wide).is_none());
-        assert!(JointPath::go(rest(0.0), 0.0, rest(2.0), 0.92, &wide).is_some());
+        assert!(JointPath::transfer(rest(0.0), 0.0, rest(2.0), 0.88, &wide).is_none());
+        assert!(JointPath::transfer(rest(0.0), 0.0, rest(2.0), 0.92, &wide).is_some());
     }
 }

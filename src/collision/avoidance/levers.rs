@@ -1,8 +1,8 @@
 //! Bounds on the change of two bodies' distance by joint motion.
 //!
-//! Rotating joint k by dq moves no point that it carries by more than r |dq|, with r the greatest
-//! distance of such a point from the joint's axis. The distance of two bodies changes by no more
-//! than the motion of one relative to the other. In any posture r is at most
+//! Rotating joint k by dq moves each point that it carries by at most r |dq|, with r the greatest
+//! distance of such a point from the joint's axis. The distance of two bodies changes by at most
+//! the motion of one relative to the other. In any posture r is at most
 //!
 //! ```text
 //! L_k = greatest distance of a corner from the carried body's link origin + offsets (and slides) of the links in between
@@ -15,7 +15,7 @@
 //! r_k = |z_k x (c - o_k)| + R + sum over j of min(L_j, r_j) t_j,      |d(q) - d(m)| <= sum over k of min(L_k, r_k) t_k
 //! ```
 //!
-//! One test of a posture thus proves a whole neighbourhood free.
+//! One test of a posture thus proves a neighbourhood free.
 
 use crate::collision::kinematics::LinkPose;
 use crate::collision::{CollisionModel, Pair};
@@ -28,7 +28,7 @@ pub(super) struct Lever {
     pub joint: usize,
     /// L_k, m/rad or 1.
     pub length: f64,
-    /// True if it carries the second body.
+    /// Whether it carries the second body.
     pub second: bool,
     slides: bool,
 }
@@ -40,8 +40,8 @@ struct Sphere {
     radius: f64,
 }
 
-/// The joints between the bodies of each pair: those that carry the first body, from it upwards,
-/// then those of the second.
+/// The joints between the bodies of each pair: those that carry the first body, from the body
+/// towards the root, then those of the second.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Levers {
     all: Vec<Lever>,
@@ -90,8 +90,8 @@ impl Levers {
         moving.map(|lever| lever.length * travel[lever.joint]).sum()
     }
 
-    /// Sets the part of a pair in `radii`: for each lever the greatest distance of the carried body
-    /// from the axis in a posture.
+    /// Sets the entries of a pair in `radii`: for each lever the greatest distance of the carried
+    /// body from the axis in a posture.
     pub fn measure(&self, pair: usize, poses: &[LinkPose], radii: &mut [f64]) {
         let bodies = self.bodies[pair].map(|b| &self.spheres[b]);
         let centers = bodies.map(|s| poses[s.link].point(&s.center));
@@ -127,8 +127,8 @@ impl Levers {
     }
 }
 
-/// For each joint the greatest change of any monitored pair's distance by it in any posture, m/rad,
-/// or 1 for a sliding joint.
+/// For each joint the greatest change of any monitored pair's distance per motion of the joint, in
+/// any posture, m/rad, or 1 for a sliding joint.
 pub fn levers(model: &Model, collision: &CollisionModel) -> Vec<f64> {
     let mut greatest = vec![0.0f64; model.nj()];
     for lever in Levers::new(model, collision).all {
@@ -228,9 +228,9 @@ mod tests {
             for _ in 0..100 {
                 let q: Vec<f64> = model.joints.iter().map(|j| j.lower + (j.upper - j.lower) * r.unit()).collect();
                 let one = r.below(model.nj() as u64) as usize;
-                let alone = r.below(2) == 0;
+                let moves_alone = r.below(2) == 0;
                 let travel: Vec<f64> =
-                    (0..model.nj()).map(|j| if alone && j != one { 0.0 } else { step * r.unit() }).collect();
+                    (0..model.nj()).map(|j| if moves_alone && j != one { 0.0 } else { step * r.unit() }).collect();
                 let there: Vec<f64> =
                     q.iter().zip(&travel).map(|(q, t)| if r.below(2) == 0 { q + t } else { q - t }).collect();
                 link_poses(model, &there, &mut poses);

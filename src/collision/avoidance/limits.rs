@@ -18,8 +18,8 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// The joint's range, the smaller of its own speed limit and `speed`, and the given
-    /// acceleration and jerk.
+    /// The joint's range, the smaller of its speed limit and `speed`, and the given acceleration
+    /// and jerk.
     pub fn new(joint: &Joint, speed: f64, acceleration: f64, jerk: f64) -> Self {
         Limits { lower: joint.lower, upper: joint.upper, speed: joint.velocity_limit.min(speed), acceleration, jerk }
     }

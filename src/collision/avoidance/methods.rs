@@ -2,10 +2,10 @@
 //! not free.
 //!
 //! 1. All joints stop, each on its last proven path.
-//! 2. Only joints between the pairs in question stop. Then one side of each pair at a time is
-//!    released where that is free.
-//! 3. As 2; then random postures of the stopped joints are tried. One is kept where it brings them
-//!    nearer to the goal g: a smaller `sum (q_k - g_k)^2` over them.
+//! 2. Only joints between the bodies of colliding pairs stop. Then one side of each pair at a time
+//!    is released if that is free.
+//! 3. As 2; then random postures of the stopped joints are tried. A posture is accepted if it
+//!    brings them nearer to the goal g: a smaller `sum (q_k - g_k)^2` over them.
 //! 4. As 2; then a detour around the obstacle is searched ([`super::detour`]), and then as 3.
 //!
 //! Joints at their goals are stopped but never moved by 3 and 4: the robot may be standing on them.
@@ -18,13 +18,13 @@ use crate::random::Stream;
 /// Random postures that methods 3 and 4 draw in a cycle.
 const DRAWS: usize = 24;
 
-/// At most this many of them are proven; the others are no improvement or exceed the budget.
+/// Limit on the drawn postures that are tested per cycle.
 const PROOFS: usize = 10;
 
-/// A posture must reduce the sum to this part, less this many rad^2, to be worth a motion.
-const WORTH: (f64, f64) = (0.98, 1e-6);
+/// A posture must reduce the sum to this fraction, less this many rad^2, to be accepted.
+const IMPROVEMENT: (f64, f64) = (0.98, 1e-6);
 
-/// The methods with the state they keep from cycle to cycle.
+/// The methods with their state from cycle to cycle.
 pub(super) struct Methods {
     detour: Detour,
     random: Stream,
@@ -35,7 +35,7 @@ pub(super) struct Methods {
 }
 
 impl Methods {
-    /// For a robot of so many joints and pairs.
+    /// For a robot with `joints` joints and `pairs` pairs.
     pub fn new(seed: u64, joints: usize, pairs: usize) -> Self {
         Methods {
             detour: Detour::new(joints),
@@ -45,7 +45,7 @@ impl Methods {
         }
     }
 
-    /// Leaves a proven set of paths in the candidate. True when it leads to the goals.
+    /// Leaves a proven set of paths in the candidate. Returns whether it leads to the goals.
     pub fn decide(&mut self, planner: &mut Planner, robot: Robot) -> bool {
         if planner.candidate.succeeds(robot) {
             self.detour.end();
@@ -91,8 +91,8 @@ impl Methods {
         }
     }
 
-    /// Releases the stopped joints on one side of the blocking pairs where that is free: of all
-    /// pairs at once, or else of one after the other.
+    /// Releases the stopped joints on one side of the blocking pairs if that is free: for all pairs
+    /// at once, or else for one pair after the other.
     fn release_sides(&self, planner: &mut Planner, robot: Robot) {
         for second in [false, true] {
             let all = &self.blocking[..];
@@ -115,16 +115,15 @@ impl Methods {
         let (mut proofs, mut least) = (0, planner.goal_error());
         for _ in 0..DRAWS {
             let error = self.draw(planner, count);
-            if error > WORTH.0 * least - WORTH.1 {
+            if error > IMPROVEMENT.0 * least - IMPROVEMENT.1 {
                 continue;
             }
             proofs += 1;
             let posture = &self.posture;
             let free = planner.try_marked(robot, |planner, j| planner.path_to_rest(j, posture[j]));
-            // A joint without a path stays where it is, so the error may be greater than the
-            // posture's.
+            // A joint without a path does not move, so the error may exceed that of the posture.
             let error = planner.goal_error();
-            if free && error <= WORTH.0 * least - WORTH.1 {
+            if free && error <= IMPROVEMENT.0 * least - IMPROVEMENT.1 {
                 least = error;
             } else {
                 planner.undo_marked();
@@ -135,8 +134,8 @@ impl Methods {
         }
     }
 
-    /// Draws a posture of the marked joints and returns its goal error. Moves one joint part of its
-    /// way, all of them each a part of its own way, or all to anywhere near.
+    /// Draws a posture of the marked joints and returns its goal error. Moves one joint a fraction
+    /// of its way, each joint a fraction of its own way, or all joints to random positions nearby.
     fn draw(&mut self, planner: &Planner, count: usize) -> f64 {
         let kind = self.random.below(3);
         let one = self.random.below(count as u64) as usize;
@@ -161,7 +160,7 @@ impl Methods {
     }
 }
 
-/// Releases one side of `pairs` where that is free.
+/// Releases one side of `pairs` if that is free. Returns false if it is not.
 fn release(planner: &mut Planner, robot: Robot, second: bool, pairs: &[usize]) -> bool {
     planner.marked.fill(false);
     for pair in pairs {

@@ -1,21 +1,25 @@
 //! Self-collision avoidance: keeps joint commands free of self-collision.
 //!
-//! Runs between the tasks and the drives. Every *cycle*, at a rate of its own, extrapolates the
-//! desired motion and lets the joints follow it only along paths that are proven free of collision
-//! **and end at rest**. Each joint can therefore always follow its last proven path to its end: by
+//! Runs between the tasks and the drives. Every *cycle*, at its own rate, extrapolates the desired
+//! motion and lets the joints follow it only along paths that are proven free of collision **and
+//! end at rest**. Each joint can therefore always follow its last proven path to its end: by
 //! induction the output is collision-free if the initial posture is. The paths keep the limits of
 //! position, speed, acceleration and jerk.
 //!
 //! Between two cycles a joint whose pairs are all far from touching is *free*: it follows the
-//! desired motion exactly while a stop from there stays within the motion that the last test proves
+//! desired motion exactly while a stop from it stays within the motion that the last test proves
 //! free.
 //!
-//! Files, lowest first: `limits`, [`joint_path`](JointPath) (motions of one joint in pieces of
-//! constant jerk), `levers` and `prover` (proof over a whole motion, not at samples),
-//! `desired_motion` (the motion that the tasks command, and the paper's extrapolation by second
-//! derivatives), `candidate` (one set of paths under proof), `tick_check` (free joints between
-//! cycles), `planner`, `detour` and `methods` (the four methods of the paper's Table I),
-//! [`avoider`](Avoider).
+//! | file, lowest first | content |
+//! |---|---|
+//! | `limits` | motion limits of a joint |
+//! | [`joint_path`](JointPath) | motions of one joint in pieces of constant jerk |
+//! | `levers`, `prover` | proof over a whole motion, not at samples |
+//! | `desired_motion` | the motion that the tasks command, and the paper's extrapolation by second derivatives |
+//! | `candidate` | one set of paths to be proven |
+//! | `tick_check` | free joints between cycles |
+//! | `planner`, `detour`, `methods` | the four methods of the paper's Table I |
+//! | [`avoider`](Avoider) | the interface |
 
 mod avoider;
 mod candidate;

@@ -13,7 +13,7 @@ pub struct Settings {
     pub method: u8,
     /// Cycles per second.
     pub rate: f64,
-    /// Distance that is kept, m.
+    /// Distance to keep, m.
     pub margin: f64,
     /// Limits by joint.
     pub limits: Vec<Limits>,
@@ -69,7 +69,7 @@ impl Planner {
     }
 
     /// Saves the paths of the marked joints and tries others; a joint for which `path` gives none
-    /// keeps its own. True when the candidate is then proven free.
+    /// keeps its own. Returns whether the candidate is then proven free.
     pub fn try_marked(&mut self, robot: Robot, path: impl Fn(&Self, usize) -> Option<JointPath>) -> bool {
         for j in 0..self.marked.len() {
             if !self.marked[j] {
@@ -112,9 +112,9 @@ impl Planner {
         (0..self.stopped.len()).filter(|j| self.stopped[*j]).map(|j| error(&j)).sum()
     }
 
-    /// True when the goals can be reached from the end of the candidate.
+    /// Whether the goals can be reached from the end of the candidate.
     pub fn goal_is_reachable(&mut self, robot: Robot) -> bool {
-        let (rate, begin) = (1.0 / self.settings.rate, self.candidate.begin);
+        let (period, begin) = (1.0 / self.settings.rate, self.candidate.begin);
         for (j, limits) in self.settings.limits.iter().enumerate() {
             let from = TrajectoryPoint { q: self.candidate.paths[j].rest(), v: 0.0, a: 0.0 };
             if self.candidate.uncontrolled[j] {
@@ -122,7 +122,7 @@ impl Planner {
                 continue;
             }
             let target = TrajectoryPoint { q: self.goal[j], v: 0.0, a: 0.0 };
-            let path = JointPath::soonest(from, begin, rate, limits, |_| target);
+            let path = JointPath::soonest(from, begin, period, limits, |_| target);
             self.continuation[j] = path.unwrap_or(JointPath::resting(from.q));
         }
         self.candidate.is_free(robot, &self.continuation)

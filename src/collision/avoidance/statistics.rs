@@ -39,7 +39,7 @@ impl AvoidanceStatistics {
         (self.ticks > 0).then(|| (self.squares / self.ticks as f64).sqrt())
     }
 
-    /// Share of the joints' ticks in which they were held back from their desired positions.
+    /// Fraction of the joints' ticks at which they were held back from their desired positions.
     pub fn held_share(&self) -> Option<f64> {
         (self.ticks > 0).then(|| self.held_back as f64 / self.ticks as f64)
     }

@@ -1,14 +1,14 @@
-//! Check of each tick for joints that pass the desired motion unchanged between two cycles.
+//! Checks at each tick whether free joints may follow the desired motion unchanged.
 //!
-//! With c the posture of the last test, d its distances, and t_k the greatest distance of joint k
-//! from c on its remaining motion (of a free joint: its position and its stop from there; of
-//! another one: the rest of its path), no pair touches as long as
+//! Let c be the posture of the last test, d its distances, and t_k the greatest distance of joint k
+//! from c on its remaining motion: for a free joint its position and its stop from there, for other
+//! joints the rest of their paths. No pair touches as long as
 //!
 //! ```text
 //! d_p - sum over k of min(L_k, r_k) t_k > margin         for every pair p with a free joint ([`super::levers`])
 //! ```
 //!
-//! and the limits hold. Every tick is checked so before it is passed on.
+//! and the limits hold.
 
 use super::Limits;
 use super::candidate::{CandidatePaths, Robot};
@@ -19,8 +19,8 @@ use crate::motion::spline::{TrajectoryPoint, quintic};
 /// Shortest and longest decay of the difference between a path and the desired motion, s.
 const DECAY: (f64, f64) = (0.05, 0.5);
 
-/// Part of the limits of acceleration and jerk that a decay may take.
-const PART: f64 = 0.5;
+/// Fraction of the limits of acceleration and jerk that a decay may use.
+const DECAY_SHARE: f64 = 0.5;
 
 /// An uncontrolled joint that moves this much farther than its last test assumed triggers an early
 /// cycle, rad or m.
@@ -33,7 +33,7 @@ pub(super) enum JointMode {
     Free,
     /// It follows its proven path.
     OnPath,
-    /// It follows no position command, or is passive; its position is measured.
+    /// It does not follow position commands; its position is measured.
     Uncontrolled,
 }
 
@@ -49,8 +49,8 @@ impl DecayingOffset {
     pub const NONE: DecayingOffset =
         DecayingOffset { from: TrajectoryPoint { q: 0.0, v: 0.0, a: 0.0 }, since: f64::NEG_INFINITY, length: 1.0 };
 
-    /// For a joint at `here` whose desired motion is at `desired`; none when the decay exceeds its
-    /// part of the limits.
+    /// For a joint at `here` whose desired motion is at `desired`; none if the decay exceeds its
+    /// share of the limits.
     pub fn new(
         here: &TrajectoryPoint,
         desired: &TrajectoryPoint,
@@ -61,11 +61,11 @@ impl DecayingOffset {
         let from = TrajectoryPoint { q: here.q - desired.q, v: here.v - desired.v, a: here.a - desired.a };
         let length = period.clamp(DECAY.0, DECAY.1);
         let (q, v, a) = (from.q.abs(), from.v.abs(), from.a.abs());
-        // The quintic's jerk is greatest at its start or end, its acceleration less than the sum of
-        // those of its parts.
+        // The quintic's jerk is greatest at its start or end; its acceleration is less than the sum
+        // of those of its parts.
         let jerk = 60.0 * q / length.powi(3) + 36.0 * v / length.powi(2) + 9.0 * a / length;
         let acceleration = 5.8 * q / length.powi(2) + 4.0 * v / length + a;
-        let fits = jerk <= PART * limits.jerk && acceleration <= PART * limits.acceleration;
+        let fits = jerk <= DECAY_SHARE * limits.jerk && acceleration <= DECAY_SHARE * limits.acceleration;
         fits.then_some(DecayingOffset { from, since, length })
     }
 
@@ -84,7 +84,7 @@ impl DecayingOffset {
 pub(super) struct TickCheck {
     pub mode: Vec<JointMode>,
     pub offset: Vec<DecayingOffset>,
-    /// True for a joint that was refused for its limits and is not free again.
+    /// Joints that were refused for their limits and are not free again.
     pub late: Vec<bool>,
     /// Greatest distance of each joint from the anchor on its remaining motion.
     travel: Vec<f64>,
@@ -114,14 +114,14 @@ impl TickCheck {
         JointPath::stop(here, t, limits)
     }
 
-    /// True when the free joints may follow the desired motion now. `held` has the paths of the
-    /// others. Marks joints that may not in `refused`.
+    /// Whether the free joints may follow the desired motion now. `paths` are those of the other
+    /// joints. Marks joints that may not in `refused`.
     pub fn allows(
         &mut self,
         robot: Robot,
         candidate: &CandidatePaths,
         (desired, commanded): (&DesiredMotion, &PositionHistory),
-        held: &[JointPath],
+        paths: &[JointPath],
         limits: &[Limits],
         (now, refused): (f64, &mut [bool]),
     ) -> bool {
@@ -131,19 +131,19 @@ impl TickCheck {
             if self.mode[j] == JointMode::Uncontrolled {
                 // Its position now, and the motion that the last test covered.
                 let tested = candidate.reach[j];
-                self.travel[j] = tested.max((held[j].rest() - candidate.anchor[j]).abs());
+                self.travel[j] = tested.max((paths[j].rest() - candidate.anchor[j]).abs());
                 safe &= self.travel[j] <= tested + UNTESTED;
                 continue;
             }
             if self.mode[j] != JointMode::Free {
-                self.travel[j] = held[j].reach(candidate.anchor[j], now);
+                self.travel[j] = paths[j].reach(candidate.anchor[j], now);
                 continue;
             }
             let offset = self.offset[j].at(now) != TrajectoryPoint::default();
             let command = self.command(j, &desired.now(j), now);
             let stop = self.stop(j, &desired.now(j), now, limit);
-            let jerk = if offset { (1.0 - PART) * limit.jerk } else { limit.jerk };
-            // Rounding of differences of a limit that is met exactly.
+            let jerk = if offset { (1.0 - DECAY_SHARE) * limit.jerk } else { limit.jerk };
+            // Rounding of differences at a limit.
             let more = 1.0 + 1e-6;
             let keeps = desired.jerk(j).abs() <= jerk * more
                 && command.a.abs() <= limit.acceleration * more

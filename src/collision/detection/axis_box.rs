@@ -11,8 +11,8 @@
 use crate::collision::kinematics::LinkPose;
 use crate::collision::spatial::OrientedBox;
 
-/// Boxes are enlarged by this part of their coordinates: an upper bound of the errors of a dozen
-/// roundings of 6e-8 each.
+/// Boxes are enlarged by this fraction of their coordinates: an upper bound of the errors of a
+/// dozen roundings of 6e-8 each.
 const GROWTH: f64 = 1e-6;
 
 /// An axis-aligned box; the fourth components are 0.
@@ -25,10 +25,10 @@ pub struct AxisBox {
 }
 
 impl AxisBox {
-    /// At the origin, without size.
-    pub const NOWHERE: Self = AxisBox { center: [0.0; 4], half: [0.0; 4] };
+    /// A point at the origin.
+    pub const ORIGIN: Self = AxisBox { center: [0.0; 4], half: [0.0; 4] };
 
-    /// Around an oriented box of a link in its pose.
+    /// Around the oriented box of a link in its pose.
     #[inline]
     pub fn around(bounds: &OrientedBox, pose: &LinkPose) -> Self {
         let center = pose.point(&bounds.center);
@@ -40,7 +40,7 @@ impl AxisBox {
         }
     }
 
-    /// Not above the square of the distance of what the boxes hold, m^2; 0 when they overlap.
+    /// Lower bound of the squared distance of the contents of the boxes, m^2; 0 when they overlap.
     #[inline]
     pub fn gap_squared(&self, other: &Self) -> f32 {
         let mut squares = [0.0f32; 4];

@@ -1,8 +1,8 @@
 //! Distance and collision queries for a sequence of postures.
 //!
 //! Two layers: first axis-aligned boxes, then the exact distance of the polyhedra. Coherence: each
-//! pair starts at the vertices of its last answer. This changes only the time: each answer carries
-//! its proof ([`super::gjk`]), so it is the same from any start up to rounding.
+//! pair starts at the vertices of its last result. This changes only the time: each result is
+//! proven ([`super::gjk`]), so it is the same from any start up to rounding.
 
 use nalgebra::Vector3;
 
@@ -18,15 +18,15 @@ use crate::collision::kinematics::LinkPose;
 pub struct Proximity {
     /// Index into [`CollisionModel::pairs`].
     pub pair: usize,
-    /// Distance, m; below 0 the bodies overlap, and its size is the shortest translation that parts
-    /// them.
+    /// Distance, m; below 0 the bodies overlap, and its magnitude is the shortest translation that
+    /// separates them.
     pub distance: f64,
     /// Unit vector from the first body to the second, along which moving the second changes the
     /// distance at rate 1.
     pub normal: Vector3<f64>,
     /// The first body's nearest (or deepest) point, in the frame of the poses, m.
     pub on_a: Vector3<f64>,
-    /// The second body's: `on_a + distance * normal`.
+    /// The second body's point: `on_a + distance * normal`.
     pub on_b: Vector3<f64>,
 }
 
@@ -39,7 +39,7 @@ pub struct Counts {
     pub boxes: u64,
     /// Pairs of polyhedra compared.
     pub exact: u64,
-    /// Of these, overlapping ones whose depth was found.
+    /// Overlapping pairs among them, whose depth was found.
     pub depths: u64,
 }
 
@@ -57,7 +57,7 @@ pub struct Detector {
     pairs: Vec<[usize; 2]>,
     /// Squares of the box gaps of the pairs, for the current query.
     gaps: Vec<f32>,
-    /// The nearest pair of the last query: probably nearest again.
+    /// The nearest pair of the last query, which is probably nearest again.
     nearest: usize,
     /// The colliding pair of the last query.
     hit: usize,
@@ -85,7 +85,7 @@ impl Detector {
         }
     }
 
-    /// Discards earlier answers, so that later ones do not depend on them, not even in the last
+    /// Discards earlier results, so that later ones do not depend on them, not even in the last
     /// bits.
     pub fn forget(&mut self) {
         self.warm.fill(Warm::COLD);
@@ -102,10 +102,10 @@ impl Detector {
     /// Distances and nearest points of all pairs, in the pairs' order.
     pub fn distances(&mut self, model: &CollisionModel) -> &[Proximity] {
         self.found.clear();
-        self.scene.move_vertices(&model.bodies);
+        self.scene.transform_vertices(&model.bodies);
         for pair in 0..model.pairs.len() {
             // No distance exceeds infinity.
-            let [a, b] = self.scene.moved(&model.bodies, self.pairs[pair]);
+            let [a, b] = self.scene.transformed(&model.bodies, self.pairs[pair]);
             let work = (&mut self.warm[pair], &mut self.epa, &mut self.counts);
             self.found.extend(exact(pair, &a, &b, f64::INFINITY, work));
         }
@@ -146,7 +146,7 @@ impl Detector {
         best
     }
 
-    /// True if any pair is closer than `margin`, m (0: overlaps). Stops at the first.
+    /// Whether any pair is closer than `margin`, m (0: overlaps). Stops at the first.
     pub fn intersects(&mut self, model: &CollisionModel, margin: f64) -> bool {
         // The pair that collided last probably collides again.
         let (n, last) = (model.pairs.len(), self.hit);
@@ -171,11 +171,10 @@ impl Detector {
     pub fn proximity(&mut self, model: &CollisionModel, pair: usize) -> Proximity {
         let [a, b] = self.scene.posed(&model.bodies, self.pairs[pair]);
         let work = (&mut self.warm[pair], &mut self.epa, &mut self.counts);
-        // No distance exceeds infinity.
-        exact(pair, &a, &b, f64::INFINITY, work).expect("not beyond")
+        exact(pair, &a, &b, f64::INFINITY, work).expect("no distance exceeds infinity")
     }
 
-    /// A lower bound of the distance of one pair, m: the distance itself where that is less than
+    /// A lower bound of the distance of one pair, m: the distance itself if it is less than
     /// `enough`; 0 when they overlap.
     pub fn clearance(&mut self, model: &CollisionModel, pair: usize, enough: f64) -> f64 {
         self.counts.boxes += 1;
@@ -193,7 +192,7 @@ impl Detector {
         }
     }
 
-    /// True if one pair is closer than `margin`, m. A pair that is not proven to be farther counts
+    /// Whether one pair is closer than `margin`, m. A pair that is not proven to be farther counts
     /// as closer.
     pub fn is_within(&mut self, model: &CollisionModel, pair: usize, margin: f64) -> bool {
         self.counts.boxes += 1;

@@ -46,7 +46,7 @@ struct Face {
 pub struct Depth {
     /// Upper bound, m: the bodies separate when A moves by `-depth * normal`.
     pub depth: f64,
-    /// Unit vector from A's inside outward.
+    /// Unit vector pointing out of A.
     pub normal: Vector3<f64>,
     /// A's point deepest in B, m.
     pub on_a: Vector3<f64>,
@@ -82,7 +82,7 @@ impl Epa {
             self.add(corners);
         }
         let mut best: Option<(f64, Face)> = None;
-        // The outermost vertices of A and B along the last normal: the next ones are close.
+        // The outermost vertices of A and B along the last normal are close to the next ones.
         let [mut ia, mut ib] = self.from[0];
         while let Some(nearest) = self.nearest() {
             let face = self.faces[nearest];
@@ -100,12 +100,12 @@ impl Epa {
             }
         }
         match best {
-            Some((depth, face)) => self.answer(a, depth, &face),
+            Some((depth, face)) => self.deepest_points(a, depth, &face),
             None => touching(a, &self.from[0]),
         }
     }
 
-    fn answer(&self, a: &impl SupportMapping, depth: f64, face: &Face) -> Depth {
+    fn deepest_points(&self, a: &impl SupportMapping, depth: f64, face: &Face) -> Depth {
         let [p, q, r] = face.corners.map(|k| self.w[k as usize]);
         let normal = (q - p).cross(&(r - p));
         let foot = face.normal * face.distance;
@@ -174,15 +174,13 @@ impl Epa {
         let normal = (q - p).cross(&(r - p));
         let length = normal.norm();
         // A sliver has no normal: it is never chosen, and no vertex is above it.
-        let (normal, distance) = match length > 1e-18 {
-            true => (normal / length, normal.dot(&p) / length),
-            false => (Vector3::zeros(), f64::INFINITY),
-        };
+        let (normal, distance) =
+            if length > 1e-18 { (normal / length, normal.dot(&p) / length) } else { (Vector3::zeros(), f64::INFINITY) };
         self.faces.push(Face { corners, normal, distance });
     }
 
-    /// Adds the vertex: visible faces are removed, and new ones join it to the border of the hole.
-    /// False when rounding has left the hole without one closed border.
+    /// Adds a vertex: visible faces are removed, and new ones connect it to the border of the hole.
+    /// Returns false if rounding has left the hole without a single closed border.
     fn grow(&mut self, w: Vector3<f64>, from: [u16; 2]) -> bool {
         self.horizon.clear();
         let mut i = 0;

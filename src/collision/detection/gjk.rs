@@ -5,10 +5,10 @@
 //! w_k = s_A(-v_k) - s_B(v_k);                   v_k . w_k / |v_k|  <=  d(A, B)  <=  |v_k|
 //! ```
 //!
-//! W_k holds at most four differences of vertices: those that v_(k-1) needs, and w_(k-1). Every
-//! step proves both bounds, so it stops when they meet, when the lower one exceeds the caller's
-//! limit, or when the hull of W contains the origin. Coherence: the first W holds the vertices of
-//! the last answer for this pair, at their present positions.
+//! W_k contains at most four differences of vertices: those that v_(k-1) needs, and w_(k-1). Every
+//! step proves both bounds, so the iteration stops when they meet, when the lower one exceeds the
+//! caller's limit, or when the hull of W contains the origin. Coherence: the first W contains the
+//! vertices of the last result for this pair, at their present positions.
 //!
 //! Sources: [Gilbert 1988]; bounds and termination by [van den Bergen 1999].
 
@@ -25,7 +25,7 @@ const TOUCH: f64 = 1e-12;
 /// Polyhedra converge in finitely many steps; only a loop of rounding errors reaches this many.
 const MOST_STEPS: usize = 100;
 
-/// The vertices of the last answer for a pair.
+/// The vertices of the last result for a pair: the start of the next query.
 #[derive(Clone, Copy, Debug)]
 pub struct Warm {
     len: u8,
@@ -34,7 +34,7 @@ pub struct Warm {
 }
 
 impl Warm {
-    /// No answer yet.
+    /// No result yet.
     pub const COLD: Self = Warm { len: 0, a: [0; 4], b: [0; 4] };
 
     fn simplex(&self, a: &impl SupportMapping, b: &impl SupportMapping) -> Simplex {
@@ -46,7 +46,7 @@ impl Warm {
         s
     }
 
-    fn keep(&mut self, s: &Simplex) {
+    fn store(&mut self, s: &Simplex) {
         *self = Warm { len: s.len as u8, a: s.a, b: s.b };
     }
 }
@@ -63,7 +63,7 @@ pub enum Outcome {
     },
     /// Farther apart than the caller's limit.
     Beyond,
-    /// Sharing at least a point, within [`TOUCH`].
+    /// They share at least a point, within [`TOUCH`].
     Overlap {
         /// A simplex that contains the origin.
         simplex: Simplex,
@@ -83,7 +83,7 @@ pub struct Nearest {
     pub on_b: Vector3<f64>,
 }
 
-/// From `v` and the weights of [`Outcome::Apart`].
+/// Nearest points from `v` and the weights of [`Outcome::Apart`].
 pub fn nearest(a: &impl SupportMapping, b: &impl SupportMapping, v: &Vector3<f64>, simplex: &Simplex) -> Nearest {
     let weights = simplex.l.iter().take(simplex.len);
     let on_a = simplex.a.iter().zip(weights.clone()).map(|(k, l)| a.vertex(*k) * *l).sum();
@@ -101,7 +101,7 @@ pub fn distance(a: &impl SupportMapping, b: &impl SupportMapping, warm: &mut War
     for _ in 0..MOST_STEPS {
         let square = v.norm_squared();
         if s.len == 4 || square <= TOUCH * TOUCH {
-            warm.keep(&s);
+            warm.store(&s);
             return Outcome::Overlap { simplex: s };
         }
         ia = a.outermost(&-v, ia);
@@ -110,23 +110,23 @@ pub fn distance(a: &impl SupportMapping, b: &impl SupportMapping, warm: &mut War
         let reach = v.dot(&w);
         let length = square.sqrt();
         if reach > beyond * length {
-            warm.keep(&s);
+            warm.store(&s);
             return Outcome::Beyond;
         }
-        if square - reach <= MEET * length || s.holds(ia, ib) {
+        if square - reach <= MEET * length || s.contains(ia, ib) {
             break;
         }
         let old = s;
         s.push(w, ia, ib);
         let next = s.reduce();
-        // Without progress the rest is rounding: the last answer with its proven bounds is the best
-        // available.
+        // Without progress the rest is rounding: the last result with its proven bounds is the
+        // best.
         if next.norm_squared() >= square {
             s = old;
             break;
         }
         v = next;
     }
-    warm.keep(&s);
+    warm.store(&s);
     Outcome::Apart { v, simplex: s }
 }

@@ -1,5 +1,5 @@
-//! Distances of single pairs, with starts kept by the caller: for searches that drop pairs as they
-//! proceed.
+//! Distances of single pairs, with starts stored by the caller, for searches that drop pairs as
+//! they proceed.
 
 use super::gjk::{self, Nearest, Outcome, Warm};
 use super::posed_bodies::PosedBodies;

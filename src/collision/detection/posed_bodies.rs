@@ -29,7 +29,7 @@ impl PosedBodies {
         let n = bodies.len();
         Self {
             poses: vec![LinkPose::IDENTITY; n],
-            boxes: vec![AxisBox::NOWHERE; n],
+            boxes: vec![AxisBox::ORIGIN; n],
             points: vec![Vector3::zeros(); first[n]],
             first,
         }
@@ -49,7 +49,7 @@ impl PosedBodies {
         self.boxes[i] = AxisBox::around(&bodies[i].polytope.bounds, &self.poses[i]);
     }
 
-    /// Square of the distance of two bodies' boxes, m^2: not above that of the bodies.
+    /// Squared distance of two bodies' boxes, m^2: a lower bound of that of the bodies.
     #[inline]
     pub fn gap_squared(&self, [i, k]: [usize; 2]) -> f32 {
         self.boxes[i].gap_squared(&self.boxes[k])
@@ -61,9 +61,9 @@ impl PosedBodies {
         pair.map(|i| PosedPolytope { polytope: &bodies[i].polytope, pose: &self.poses[i] })
     }
 
-    /// Two bodies represented by their transformed vertices; call [`Self::move_vertices`] first.
+    /// Two bodies represented by their transformed vertices. Needs [`Self::transform_vertices`].
     #[inline]
-    pub fn moved<'a>(&'a self, bodies: &'a [Body], pair: [usize; 2]) -> [TransformedPolytope<'a>; 2] {
+    pub fn transformed<'a>(&'a self, bodies: &'a [Body], pair: [usize; 2]) -> [TransformedPolytope<'a>; 2] {
         pair.map(|i| TransformedPolytope {
             polytope: &bodies[i].polytope,
             points: &self.points[self.first[i]..self.first[i + 1]],
@@ -71,11 +71,11 @@ impl PosedBodies {
     }
 
     /// Transforms the vertices of all bodies.
-    pub fn move_vertices(&mut self, bodies: &[Body]) {
+    pub fn transform_vertices(&mut self, bodies: &[Body]) {
         for (i, body) in bodies.iter().enumerate() {
             let pose = self.poses[i];
-            let moved = &mut self.points[self.first[i]..self.first[i + 1]];
-            for (to, from) in moved.iter_mut().zip(&body.polytope.vertices) {
+            let points = &mut self.points[self.first[i]..self.first[i + 1]];
+            for (to, from) in points.iter_mut().zip(&body.polytope.vertices) {
                 *to = pose.point(from);
             }
         }

@@ -1,18 +1,18 @@
 //! The point of a simplex nearest to the origin, and the smallest face that contains it.
 //!
 //! ```text
-//! v = argmin |x|,  x = sum l_i w_i,  l_i >= 0,  sum l_i = 1;   kept: the w_i with l_i > 0
+//! v = argmin |x|,  x = sum l_i w_i,  l_i >= 0,  sum l_i = 1;   the w_i with l_i > 0 remain
 //! ```
 //!
 //! The nearest feature of a triangle follows from the signs of its areas, that of a tetrahedron
 //! from those of its volumes [Montanari 2017]; the formulas for a triangle are those of [Ericson
-//! 2005, section 5.1.5]. Where rounding hides an area or a volume, the features one dimension lower
+//! 2005, section 5.1.5]. If rounding hides an area or a volume, the features of one dimension less
 //! are compared by their distances.
 
 use nalgebra::Vector3;
 
-/// A triangle counts as a line where its area, and a tetrahedron as a triangle where its volume, is
-/// this part of the product of its edges: below it rounding decides the signs.
+/// A triangle counts as a line if its area, and a tetrahedron as a triangle if its volume, is below
+/// this fraction of the product of its edges, where rounding decides the signs.
 const FLAT: f64 = 1e-13;
 
 /// At most four points of the difference `A - B` of two bodies, with the vertices they come from.
@@ -49,13 +49,13 @@ impl Simplex {
         self.len = i + 1;
     }
 
-    /// True if this difference of vertices is one of the points.
-    pub fn holds(&self, a: u16, b: u16) -> bool {
+    /// Whether this difference of vertices is one of the points.
+    pub fn contains(&self, a: u16, b: u16) -> bool {
         (0..self.len).any(|i| self.a[i] == a && self.b[i] == b)
     }
 
-    /// Keeps the smallest face that contains the point nearest to the origin and returns that
-    /// point. Four points remain only when the origin is inside.
+    /// Reduces the simplex to the smallest face that contains the point nearest to the origin and
+    /// returns that point. Four points remain only when the origin is inside.
     pub fn reduce(&mut self) -> Vector3<f64> {
         let face = match self.len {
             1 => Face { len: 1, at: [0; 4], l: [1.0, 0.0, 0.0, 0.0] },
@@ -174,11 +174,11 @@ mod tests {
         s
     }
 
-    /// The kept face holds the point, and no corner of the whole simplex lies on the origin's side
-    /// of the plane through the point across the line to the origin: together they prove that it is
-    /// the nearest.
+    /// The remaining face contains the point, and no corner of the simplex is on the origin's side
+    /// of the plane through the point normal to the line to the origin: together they prove that it
+    /// is the nearest.
     #[test]
-    fn the_nearest_point_proves_itself() {
+    fn the_nearest_point_satisfies_its_optimality_condition() {
         let mut r = Stream::new(1, &["simplex"]);
         let mut inside = 0;
         for case in 0..40_000 {
@@ -193,15 +193,14 @@ mod tests {
             // 40 000.
             assert!(points.iter().all(|p| v.dot(p) >= v.norm_squared() - 1e-10), "{points:?}");
         }
-        // Three in four random tetrahedra would miss a centred origin already (1 in 8 hold it);
-        // ours are moved away.
+        // One in eight random tetrahedra around the origin contains it; these are moved away.
         assert!((50..2_000).contains(&inside), "{inside}");
     }
 
     #[test]
     fn flat_simplices_have_a_nearest_point_too() {
         let p = |x: f64, y: f64, z: f64| Vector3::new(x, y, z);
-        // Three points on a line, four on a plane: the answer is known by symmetry.
+        // Three points on a line, four on a plane: the result is known by symmetry.
         let mut line = simplex(&[p(-1.0, 1.0, 0.0), p(0.5, 1.0, 0.0), p(3.0, 1.0, 0.0)]);
         assert!((line.reduce() - p(0.0, 1.0, 0.0)).norm() < 1e-15 && line.len == 2);
         let square = [p(-1.0, -1.0, 2.0), p(1.0, -1.0, 2.0), p(1.0, 1.0, 2.0), p(-1.0, 1.0, 2.0)];

@@ -1,6 +1,6 @@
-//! The support mapping of a polyhedron in a pose, in two forms: with transformed vertices, which
-//! pays when many pairs query them, or with directions rotated into its own frame, which costs
-//! nothing beforehand.
+//! The support mapping of a polyhedron in a pose, in two forms: with transformed vertices, which is
+//! faster when many pairs query them, or with directions rotated into its own frame, which needs no
+//! preparation.
 
 use nalgebra::Vector3;
 

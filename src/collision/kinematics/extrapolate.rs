@@ -28,12 +28,12 @@ pub(crate) fn capped_travel(v: f64, a: f64, limit: f64, t: f64) -> f64 {
     if a == 0.0 || !limit.is_finite() {
         return (v.clamp(-limit, limit)) * t + a * t * t / 2.0;
     }
-    // When the ramp enters and leaves the allowed speeds, for a speed that starts outside.
-    let leaves = ((-limit * a.signum() - v) / a).clamp(0.0, t);
-    let arrives = ((limit * a.signum() - v) / a).clamp(0.0, t);
-    let ramp = arrives - leaves;
-    let start = (v + a * leaves).clamp(-limit, limit);
-    limit * a.signum() * ((t - arrives) - leaves) + start * ramp + a * ramp * ramp / 2.0
+    // Times at which the ramp enters and leaves the allowed speeds.
+    let enters = ((-limit * a.signum() - v) / a).clamp(0.0, t);
+    let leaves = ((limit * a.signum() - v) / a).clamp(0.0, t);
+    let ramp = leaves - enters;
+    let start = (v + a * enters).clamp(-limit, limit);
+    limit * a.signum() * ((t - leaves) - enters) + start * ramp + a * ramp * ramp / 2.0
 }
 
 #[cfg(test)]
@@ -45,17 +45,17 @@ mod tests {
         // One rounding of each of three terms.
         for (v, a, t) in [(0.5, -2.0, 0.7), (0.0, 3.0, 0.1), (-1.0, 0.0, 2.0)] {
             for limit in [f64::INFINITY, 1e3] {
-                let want = v * t + a * t * t / 2.0;
-                assert!((capped_travel(v, a, limit, t) - want).abs() < 1e-15, "{v} {a} {t} {limit}");
+                let expected = v * t + a * t * t / 2.0;
+                assert!((capped_travel(v, a, limit, t) - expected).abs() < 1e-15, "{v} {a} {t} {limit}");
             }
         }
     }
 
     #[test]
     fn limits_clip_the_ramp_at_both_ends() {
-        // From 0 at 2/s^2 the cap of 1 is there after 0.5 s and 0.25 covered; then 1 per second.
+        // From 0 at 2/s^2 the cap of 1 is reached after 0.5 s and 0.25 covered; then 1 per second.
         assert_eq!(capped_travel(0.0, 2.0, 1.0, 2.0), 0.25 + 1.5);
-        // From -3, taken as -1: until the ramp passes -1 at 1 s, 1 down; to +1 at 2 s, nothing;
+        // From -3, clamped to -1: 1 down until the ramp passes -1 at 1 s, nothing until +1 at 2 s,
         // then 1 up.
         assert_eq!(capped_travel(-3.0, 2.0, 1.0, 3.0), -1.0 + 0.0 + 1.0);
         assert_eq!(capped_travel(3.0, -2.0, 1.0, 3.0), 1.0 + 0.0 - 1.0);

@@ -1,5 +1,5 @@
-//! Link poses for given joint positions, without velocities and inertias, which collision tests do
-//! not need.
+//! Link poses for given joint positions, without the velocities and inertias that collision tests
+//! do not need.
 //!
 //! ```text
 //! R_i = R_p(i) R_i0 Rz(q_i),   p_i = p_p(i) + R_p(i) d_i          (revolute; prismatic adds z_i q_i to p_i)
@@ -14,7 +14,7 @@ use crate::robot::{JointKind, Model};
 pub struct LinkPose {
     /// Orientation of the link's internal frame.
     pub rotation: Matrix3<f64>,
-    /// Its origin, m.
+    /// Origin of that frame, m.
     pub origin: Vector3<f64>,
 }
 

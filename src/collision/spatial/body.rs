@@ -33,8 +33,7 @@ pub struct DroppedBody {
 pub enum WhyBody {
     /// The robot file lists the bodies, without this link.
     NotListed,
-    /// Its hull stays inside that of the named link: nothing can touch it without touching that
-    /// link.
+    /// Its hull stays inside that of the named link, which is therefore touched first.
     Inside(String),
     /// Its shapes have no hull: they are flat, or have more than 65 535 corners.
     NoHull,

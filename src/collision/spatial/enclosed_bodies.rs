@@ -1,4 +1,4 @@
-//! Removes bodies enclosed in other bodies: nothing can touch them first.
+//! Removes bodies enclosed in other bodies, which cannot be touched before the outer ones.
 
 use super::body::{Body, DroppedBody, WhyBody};
 use super::link_tree::joints_between;
@@ -6,13 +6,13 @@ use super::pair_search::Sampler;
 use crate::collision::kinematics::{LinkPose, link_poses};
 use crate::robot::Model;
 
-/// Postures tested in addition to home; a quarter of the joints is at either end of its range in
-/// each.
+/// Postures tested in addition to home. In each a quarter of the joints is at either end of its
+/// range.
 const POSTURES: usize = 200;
 /// A body may protrude by this much and still count as enclosed, m: rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Removes bodies that are inside another one in all postures tried.
+/// Removes bodies that are inside another one in all postures tested.
 pub(super) fn drop_enclosed(model: &Model, bodies: Vec<Body>, seed: u64) -> (Vec<Body>, Vec<DroppedBody>) {
     let mut postures = vec![model.home.clone()];
     let mut sampler = Sampler::new(model, seed, "inner");
@@ -32,15 +32,15 @@ pub(super) fn drop_enclosed(model: &Model, bodies: Vec<Body>, seed: u64) -> (Vec
             normal.dot(&(highest - a)) > ROUNDING
         })
     };
-    let holds = |outer: &Body, inner: &Body| {
+    let encloses = |outer: &Body, inner: &Body| {
         // Without a joint between them one posture is enough.
         let fixed = joints_between(model, inner.link, outer.link).is_empty();
         !poses.iter().take(if fixed { 1 } else { poses.len() }).any(|p| outside(inner, outer, p))
     };
     let mut dropped: Vec<Option<usize>> = vec![None; bodies.len()];
     for i in 0..bodies.len() {
-        // Of two equal bodies one remains.
-        let outer = |o: &usize| *o != i && dropped[*o].is_none() && holds(&bodies[*o], &bodies[i]);
+        // One of two equal bodies remains.
+        let outer = |o: &usize| *o != i && dropped[*o].is_none() && encloses(&bodies[*o], &bodies[i]);
         dropped[i] = (0..bodies.len()).find(outer);
     }
     let dropped_body = |i: usize, outer: usize| DroppedBody {
@@ -48,7 +48,7 @@ pub(super) fn drop_enclosed(model: &Model, bodies: Vec<Body>, seed: u64) -> (Vec
         name: bodies[i].name.clone(),
         why: WhyBody::Inside(bodies[outer].name.clone()),
     };
-    let gone = dropped.iter().enumerate().filter_map(|(i, o)| o.map(|o| dropped_body(i, o))).collect();
+    let removed = dropped.iter().enumerate().filter_map(|(i, o)| o.map(|o| dropped_body(i, o))).collect();
     let kept = bodies.into_iter().zip(&dropped).filter(|(_, o)| o.is_none()).map(|(b, _)| b).collect();
-    (kept, gone)
+    (kept, removed)
 }

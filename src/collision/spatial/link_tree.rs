@@ -6,7 +6,7 @@ use crate::robot::{JointId, LinkId, Model};
 pub(super) fn joints_between(model: &Model, a: LinkId, b: LinkId) -> Vec<JointId> {
     let (mut a, mut b) = (a.0, b.0);
     let mut joints = Vec::new();
-    // A parent has a smaller index: the larger of the two is never above the other.
+    // A parent has a smaller index, so the larger of the two is never an ancestor of the other.
     while a != b {
         let low = a.max(b);
         joints.push(JointId(low - 1));
@@ -17,7 +17,7 @@ pub(super) fn joints_between(model: &Model, a: LinkId, b: LinkId) -> Vec<JointId
     joints
 }
 
-/// For every link the nearest link that satisfies `is_body`, itself or above it.
+/// For every link the nearest link that satisfies `is_body`: itself or an ancestor.
 pub(super) fn carriers(model: &Model, is_body: impl Fn(LinkId) -> bool) -> Vec<Option<LinkId>> {
     let mut carriers: Vec<Option<LinkId>> = Vec::with_capacity(model.links.len());
     for (i, link) in model.links.iter().enumerate() {

@@ -66,17 +66,17 @@ impl CollisionModel {
         let mut this = Self::every_pair(model, settings);
         this.search = search;
         let candidates: Vec<[usize; 2]> = this.pairs.iter().map(|p| p.bodies).collect();
-        let is_kept = |bodies: [usize; 2]| contains(&settings.watch, bodies.map(|b| this.bodies[b].link));
+        let is_watched = |bodies: [usize; 2]| contains(&settings.watch, bodies.map(|b| this.bodies[b].link));
         let at_home = depths_at_home(model, &this.bodies, &candidates);
         let open: Vec<[usize; 2]> = candidates
             .iter()
             .zip(&at_home)
-            .filter(|(bodies, depth)| depth.is_none() && !is_kept(**bodies))
+            .filter(|(bodies, depth)| depth.is_none() && !is_watched(**bodies))
             .map(|(bodies, _)| *bodies)
             .collect();
         let least = closest_found(model, &this.bodies, &open, &search);
         let why = |bodies: [usize; 2], depth: Option<f64>| {
-            if is_kept(bodies) {
+            if is_watched(bodies) {
                 return None;
             }
             let distance = open.iter().position(|o| *o == bodies).map(|i| least[i]);
@@ -141,14 +141,14 @@ fn contains(pairs: &[[LinkId; 2]], [a, b]: [LinkId; 2]) -> bool {
 fn bodies(model: &Model, settings: &SelfCollision) -> (Vec<Body>, Vec<DroppedBody>) {
     let (mut bodies, mut dropped) = (Vec::new(), Vec::new());
     for (i, link) in model.links.iter().enumerate() {
-        let Some(made) = Body::new(link, LinkId(i), settings.resolution) else { continue };
+        let Some(body) = Body::new(link, LinkId(i), settings.resolution) else { continue };
         if settings.bodies.as_ref().is_some_and(|listed| !listed.contains(&LinkId(i))) {
             dropped.push(DroppedBody { link: LinkId(i), name: link.name.clone(), why: WhyBody::NotListed });
             continue;
         }
-        match made {
+        match body {
             Ok(body) => bodies.push(body),
-            Err(why) => dropped.push(why),
+            Err(reason) => dropped.push(reason),
         }
     }
     // Bodies listed in the robot file are monitored even inside another body.

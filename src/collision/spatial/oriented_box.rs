@@ -2,8 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-/// At most this many of the polyhedron's triangles are tried, evenly spread: it limits load time,
-/// not accuracy.
+/// At most this many of the polyhedron's triangles are tried, evenly spread, to limit load time.
 const MOST_TRIED: usize = 200;
 
 /// A box with axes of its own.

@@ -1,8 +1,8 @@
 //! Searches for the pairs of bodies that can meet within the joint ranges, by random postures and
 //! descents.
 //!
-//! Each joint is drawn uniformly over its range, but in one of four postures at its lower end and
-//! in one of four at its upper end, since bodies far apart are closest at the ends. From the
+//! Each joint is drawn at the lower end of its range in a quarter of the postures, at the upper end
+//! in a quarter, and otherwise uniformly, since bodies far apart are closest at the ends. From the
 //! closest posture of a pair, and from further random ones, descents follow the gradient of the
 //! distance d with normal n from a, A's nearest point, to b, B's, within the ranges:
 //!
@@ -61,25 +61,25 @@ pub(super) fn closest_found(model: &Model, bodies: &[Body], pairs: &[[usize; 2]]
         }
     }
     for f in found.iter_mut().filter(|f| f.distance > search.margin) {
-        // Links above both bodies do not matter: their poses are arbitrary.
+        // The poses of common ancestors of both bodies are arbitrary.
         descent.poses.fill(LinkPose::IDENTITY);
-        let way = Way::new(model, f.bodies.map(|b| bodies[b].link));
+        let chain = Chain::new(model, f.bodies.map(|b| bodies[b].link));
         for k in 0..search.descents {
             let start = if k == 0 { f.posture.clone() } else { sampler.posture(model) };
-            descend(&mut descent, &sampler.ranges, f, start, &way, search);
+            descend(&mut descent, &sampler.ranges, f, start, &chain, search);
         }
     }
     found.iter().map(|f| f.distance).collect()
 }
 
 /// The joints between two links.
-struct Way {
+struct Chain {
     joints: Vec<JointId>,
     /// For each: 1 when it moves the second link, -1 when it moves the first.
     sign: Vec<f64>,
 }
 
-impl Way {
+impl Chain {
     fn new(model: &Model, [a, b]: [LinkId; 2]) -> Self {
         let joints = joints_between(model, a, b);
         let above_b = joints_between(model, LinkId(0), b);
@@ -109,36 +109,32 @@ impl Descent<'_> {
         self.near.set_poses(self.bodies, &self.poses);
     }
 
-    fn place_way(&mut self, way: &Way, q: &[f64]) {
-        for joint in &way.joints {
+    fn set_chain(&mut self, chain: &Chain, q: &[f64]) {
+        for joint in &chain.joints {
             link_pose(self.model, joint.0 + 1, q[joint.0], &mut self.poses);
         }
     }
 
     /// The nearest points of a pair with the joints between its bodies at `q`; `None` when they
     /// overlap.
-    fn nearest_points(&mut self, f: &mut Found, way: &Way, q: &[f64]) -> Option<Nearest> {
-        self.place_way(way, q);
+    fn nearest_points(&mut self, f: &mut Found, chain: &Chain, q: &[f64]) -> Option<Nearest> {
+        self.set_chain(chain, q);
         self.near.set_pair_poses(self.bodies, f.bodies, &self.poses);
         self.near.points(self.bodies, f.bodies, &mut f.warm)
     }
 
-    /// Keeps the distance of the pair if it is the least so far; true if it is.
+    /// Stores the distance of the pair if it is the least so far. Returns whether it is.
     fn improves(&mut self, f: &mut Found) -> bool {
-        match self.near.below(self.bodies, f.bodies, &mut f.warm, f.distance) {
-            Some(distance) => {
-                f.distance = distance;
-                true
-            }
-            None => false,
-        }
+        let found = self.near.below(self.bodies, f.bodies, &mut f.warm, f.distance);
+        f.distance = found.unwrap_or(f.distance);
+        found.is_some()
     }
 }
 
 /// Moves the joints between the two bodies from `q` on to bring them closer.
-fn descend(descent: &mut Descent, ranges: &[[f64; 2]], f: &mut Found, mut q: Vec<f64>, way: &Way, search: &Search) {
+fn descend(descent: &mut Descent, ranges: &[[f64; 2]], f: &mut Found, mut q: Vec<f64>, chain: &Chain, search: &Search) {
     let mut next = q.clone();
-    let Some(mut here) = descent.nearest_points(f, way, &q) else { return f.distance = 0.0 };
+    let Some(mut here) = descent.nearest_points(f, chain, &q) else { return f.distance = 0.0 };
     let mut step = 0.3;
     for _ in 0..search.steps {
         f.distance = f.distance.min(here.distance);
@@ -146,7 +142,7 @@ fn descend(descent: &mut Descent, ranges: &[[f64; 2]], f: &mut Found, mut q: Vec
             return;
         }
         // Each joint moves in proportion to its range, the steepest by `step` of it.
-        let slopes = way.joints.iter().zip(&way.sign).map(|(joint, sign)| {
+        let slopes = chain.joints.iter().zip(&chain.sign).map(|(joint, sign)| {
             let pose = &descent.poses[joint.0 + 1];
             let (z, point) = (pose.rotation.column(2).into_owned(), if *sign > 0.0 { here.on_b } else { here.on_a });
             let rate = match descent.model.joints[joint.0].kind {
@@ -160,15 +156,15 @@ fn descend(descent: &mut Descent, ranges: &[[f64; 2]], f: &mut Found, mut q: Vec
             let end = ranges[joint.0][usize::from(*slope < 0.0)];
             if q[joint.0] == end { 0.0 } else { slope.abs() }
         };
-        let steepest = way.joints.iter().zip(&slopes).map(can_move).fold(0.0, f64::max);
+        let steepest = chain.joints.iter().zip(&slopes).map(can_move).fold(0.0, f64::max);
         if steepest == 0.0 {
             return;
         }
-        for (joint, slope) in way.joints.iter().zip(&slopes) {
+        for (joint, slope) in chain.joints.iter().zip(&slopes) {
             let [lower, upper] = ranges[joint.0];
             next[joint.0] = (q[joint.0] - step * (upper - lower) * slope / steepest).clamp(lower, upper);
         }
-        match descent.nearest_points(f, way, &next) {
+        match descent.nearest_points(f, chain, &next) {
             None => return f.distance = 0.0,
             Some(there) if there.distance < here.distance => {
                 (here, step) = (there, (1.5 * step).min(0.5));
@@ -177,7 +173,7 @@ fn descend(descent: &mut Descent, ranges: &[[f64; 2]], f: &mut Found, mut q: Vec
             Some(_) => {
                 step *= 0.4;
                 // The poses are those of the final posture.
-                descent.place_way(way, &q);
+                descent.set_chain(chain, &q);
             }
         }
     }

@@ -5,9 +5,9 @@
 //! support(d) = argmax_k d . p_k
 //! ```
 //!
-//! A linear function on a convex body has no local maximum but the global one, so climbing from
-//! vertex to neighbour finds it, faster from a closer start. A table of start directions gained
-//! nothing over the last answer. Source: [van den Bergen 2004, section 4.3.4] (after Dobkin and
+//! Every local maximum of a linear function on a convex body is global, so climbing from vertex to
+//! neighbour finds it, faster from a closer start. A table of start directions is no faster than
+//! starting at the last result. Source: [van den Bergen 2004, section 4.3.4] (after Dobkin and
 //! Kirkpatrick; [Cameron 1997]).
 
 use nalgebra::{Point3, Vector3};
@@ -78,7 +78,7 @@ impl Polytope {
         &self.around[self.first[k] as usize..self.first[k + 1] as usize]
     }
 
-    /// True if the point (in the body's frame) is inside, or outside by at most `margin`, m.
+    /// Whether the point (in the body's frame) is inside, or outside by at most `margin`, m.
     pub fn contains(&self, point: &Vector3<f64>, margin: f64) -> bool {
         self.triangles.iter().all(|t| {
             let [a, b, c] = t.map(|k| self.vertices[k as usize]);

@@ -9,7 +9,7 @@
 
 use crate::contact::methods::contact_method::ContactSolver;
 use crate::contact::model::problem::{Level, Problem, Tolerances, Vertex};
-use crate::contact::model::solution::Solution;
+use crate::contact::model::solution::{Solution, wrench_at};
 use crate::contact::model::state::{SoleState, States};
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -18,8 +18,8 @@ const FEW: usize = 12;
 
 /// A normal load on sliding vertices with its value of the form `x . K x`.
 pub(crate) struct SlidingLoad {
-    /// `x . K x / (x . x)`, 1/kg; where it is not positive, the load accelerates its vertices into
-    /// the floor.
+    /// `x . K x / (x . x)`, 1/kg; unless it is positive, the load accelerates its vertices into the
+    /// floor.
     pub value: f64,
     /// The same without friction, 1/kg.
     pub smooth: f64,
@@ -44,9 +44,7 @@ pub(crate) fn least_sliding_load(
     scratch: &mut Solution,
 ) -> Option<SlidingLoad> {
     let slides = |v: &Vertex| v.is_in_band(tol) && v.velocity.xy().norm() > tol.rest;
-    let moving: Vec<(usize, usize)> = (p.soles.iter().enumerate())
-        .flat_map(|(s, sole)| (0..sole.vertices.len()).filter(|&i| slides(&sole.vertices[i])).map(move |i| (s, i)))
-        .collect();
+    let moving: Vec<_> = p.vertex_indices().filter(|&(s, i)| slides(&p.soles[s].vertices[i])).collect();
     let mut held = *states;
     for s in 0..p.soles.len() {
         if !held[s].is_static() || moving.iter().any(|(m, _)| *m == s) {
@@ -70,7 +68,7 @@ pub(crate) fn least_sliding_load(
         }
     }
     (p.level, p.b) = (level, b);
-    restore_biases(p, &biases);
+    p.soles.iter_mut().flat_map(|s| &mut s.vertices).zip(&biases).for_each(|(v, b)| v.bias = *b);
     let (value, load) = least(&k)?;
     let mut wrench = vec![0.0; dim];
     let mut loaded: Vec<_> = p.soles.iter().map(|s| vec![false; s.vertices.len()]).collect();
@@ -83,12 +81,10 @@ pub(crate) fn least_sliding_load(
     Some(SlidingLoad { value, smooth, at: moving[load.imax()], loaded, wrench })
 }
 
-/// Wrench of one newton along the normal with this part of the friction against the slip.
+/// Wrench of one newton along the normal, with the fraction `friction` of the sliding friction.
 fn sliding_wrench(v: &Vertex, friction: f64) -> [f64; 6] {
     let t = v.velocity.xy().normalize() * (-v.mu_k * friction);
-    let force = Vector3::new(t.x, t.y, 1.0);
-    let moment = v.r.cross(&force);
-    [force.x, force.y, force.z, moment.x, moment.y, moment.z]
+    wrench_at(&v.r, &Vector3::new(t.x, t.y, 1.0))
 }
 
 /// Scales the centripetal terms by `factor`; returns their former values.
@@ -101,13 +97,8 @@ pub(crate) fn scale_biases(p: &mut Problem, factor: f64) -> Vec<Vector3<f64>> {
     p.soles.iter_mut().flat_map(|s| &mut s.vertices).map(scale).collect()
 }
 
-fn restore_biases(p: &mut Problem, biases: &[Vector3<f64>]) {
-    p.soles.iter_mut().flat_map(|s| &mut s.vertices).zip(biases).for_each(|(v, b)| v.bias = *b);
-}
-
 /// Least `x . K x / (x . x)` among the stationary points of `x . K x` over `x >= 0`, `sum x = 1`,
-/// and that x. The form is negative somewhere on that set only if it is at one of them: on the
-/// vertices that x loads, `(K + K^T) x` is constant.
+/// and that x. The form is negative somewhere on that set only if it is negative at one of them.
 fn least(k: &DMatrix<f64>) -> Option<(f64, DVector<f64>)> {
     let n = k.nrows();
     let form = (k + k.transpose()) * 0.5;

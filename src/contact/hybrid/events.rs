@@ -1,11 +1,11 @@
 //! Event functions of the current contact states: positive while the states are valid.
 //!
-//! Event location finds the instant at which the first reaches zero.
+//! Event location finds the instant at which the first of them reaches zero.
 //!
 //! | function | event when it reaches zero |
 //! |---|---|
 //! | height of an unclamped vertex above the floor | touch-down |
-//! | the same vertex while it lies within the tolerance band: room below and approach speed | entering the floor |
+//! | the same within the tolerance band: remaining depth and approach speed | entering the floor |
 //! | normal margin of a clamped pattern | lift-off, or the centre of pressure leaves it |
 //! | friction margin of a static pattern or a pivot | slip onset |
 //! | sliding velocity along the reference direction | stick, or reversal |
@@ -57,13 +57,13 @@ pub(crate) const MAX_FUNCTIONS: usize = 512;
 #[derive(Clone, Copy, Debug)]
 enum Function {
     Height(usize, usize),
-    /// With the depth to which the vertex may go, m: d, or twice its present depth.
+    /// With the allowed depth, m: d, or twice the present depth.
     Band(usize, usize, f64),
-    /// With whether the vertex is in the compliant floor.
+    /// With whether the vertex is inside the compliant floor.
     Surface(usize, usize, bool),
     Normal(usize),
     Friction(usize),
-    /// With the speed to which the vertex may slide backwards, m/s.
+    /// With the allowed speed of backward sliding, m/s.
     Slide(usize, usize, f64),
     Border(usize, usize, Vector2<f64>),
 }
@@ -71,13 +71,13 @@ enum Function {
 /// The event functions of one step.
 pub(crate) struct EventFunctions {
     functions: Vec<Function>,
-    /// Functions negative from the start, because no valid state was found: left out until the end
-    /// of the step.
+    /// Functions negative at the start, because no valid state was found: ignored until the end of
+    /// the step.
     overlooked: Vec<usize>,
 }
 
 impl EventFunctions {
-    /// Room for all functions of any step.
+    /// Reserves memory for the functions of any step.
     pub fn new() -> Self {
         EventFunctions { functions: Vec::with_capacity(MAX_FUNCTIONS), overlooked: Vec::with_capacity(MAX_FUNCTIONS) }
     }
@@ -120,15 +120,15 @@ impl EventFunctions {
         }
     }
 
-    /// How many functions the step has.
+    /// Number of functions of the step.
     pub fn len(&self) -> usize {
         self.functions.len()
     }
 
-    /// Leaves out the functions that are negative already at the start of the step, and returns
-    /// whether there is any. A vertex that slides backwards slower than `rest`, m/s, may do so up
-    /// to that speed: it has just been selected to slip, from a speed of zero up to rounding, and
-    /// another selection would only return it to rest.
+    /// Ignores the functions that are negative at the start of the step. Returns whether there are
+    /// any. A vertex that slides backwards slower than `rest`, m/s, may do so up to that speed: it
+    /// has just been selected to slip, from a speed of zero up to rounding, and another selection
+    /// would only return it to rest.
     pub fn overlook(&mut self, start: &mut [f64], rest: f64) -> bool {
         for (i, (item, g)) in self.functions.iter_mut().zip(start).enumerate().filter(|(_, (_, g))| **g < 0.0) {
             match item {
@@ -149,7 +149,7 @@ impl EventFunctions {
     pub fn fill(&self, now: &ContactInForce, out: &mut [f64]) {
         let (p, tol) = (now.problem, now.tolerances);
         let mut margins = [None; MAX_SOLES];
-        let mut of = |s: usize| *margins[s].get_or_insert_with(|| margin(p, now.states, s, now.solution));
+        let mut margin_of = |s: usize| *margins[s].get_or_insert_with(|| margin(p, now.states, s, now.solution));
         for (item, g) in self.functions.iter().zip(out.iter_mut()) {
             *g = match *item {
                 Function::Height(s, i) => p.soles[s].vertices[i].height,
@@ -161,8 +161,8 @@ impl EventFunctions {
                     let height = p.soles[s].vertices[i].height;
                     penalty::SURFACE + if inside { -height } else { height }
                 }
-                Function::Normal(s) => of(s).normal,
-                Function::Friction(s) => of(s).friction,
+                Function::Normal(s) => margin_of(s).normal,
+                Function::Friction(s) => margin_of(s).friction,
                 Function::Slide(s, i, allowed) => {
                     p.soles[s].vertices[i].velocity.xy().dot(&now.directions[s][i]) + allowed
                 }
@@ -183,7 +183,7 @@ impl EventFunctions {
         part.min_by(f64::total_cmp)
     }
 
-    /// Marks the soles whose load reached its limit, from values of which some are negative.
+    /// Marks the soles whose load reached its limit; some of `values` are negative.
     pub fn suspects(&self, values: &[f64], suspect: &mut [u8; MAX_SOLES]) {
         suspect.fill(0);
         let fired =

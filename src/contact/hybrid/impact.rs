@@ -1,14 +1,14 @@
-//! The impact law: velocity jumps at touch-down, and where a newly selected state stops motion.
+//! The impact law: velocity jumps at touch-down, and when a newly selected state stops motion.
 //!
 //! ```text
 //! v+ = v + W p,        N >= 0,    v+_n - target >= 0,    N . (v+_n - target) = 0,    t in the friction cone of N
 //! target = -e v_n      with e > 0 only where the sole approaches faster than v_t
 //! ```
 //!
-//! p are the impulses of all soles at once, N and t their normal and tangential parts per vertex:
-//! Signorini's condition and Coulomb's law with velocities after the impact instead of
-//! accelerations (`docs/contact.md`, section 6). The target is Newton's restitution of the whole
-//! sole, so that a sole that lands flat stays parallel to the floor.
+//! p are the simultaneous impulses of all soles, N and t their normal and tangential parts per
+//! vertex. These are Signorini's condition and Coulomb's law with velocities after the impact in
+//! place of accelerations (`docs/contact.md`, section 6). The target is Newton's restitution of the
+//! whole sole, so that a sole that lands flat stays parallel to the floor.
 
 use crate::contact::model::problem::{Level, Problem, SoleProblem, TOUCHING, Tolerances};
 use crate::contact::model::state::{SoleState, States};
@@ -17,8 +17,8 @@ use nalgebra::{Vector2, Vector3};
 /// Depth, in distance tolerances, down to which a vertex can arrive at the floor.
 const REACH: f64 = 100.0;
 
-/// Whether an unclamped vertex touches the floor and approaches it, or approaches it faster than
-/// v_t within d of it. Soles with imposed states have no impacts.
+/// Whether an unclamped vertex touches the floor and approaches it, or is within d of the floor and
+/// approaches it faster than v_t. Soles with imposed states have no impacts.
 pub(crate) fn is_due(p: &Problem, states: &States, tol: &Tolerances, is_imposed: impl Fn(usize) -> bool) -> bool {
     p.soles.iter().enumerate().any(|(s, sole)| {
         let k = sole.vertices.len();
@@ -55,8 +55,8 @@ pub(crate) fn set_impact(p: &mut Problem, velocity: &[f64], tol: &Tolerances, re
 }
 
 /// Sets the problem that brings the clamped directions of newly selected states to rest. Returns
-/// the states to solve it with: a sole about to slip from rest is held, so that it loses the
-/// remainder of its old motion; otherwise friction would oppose that.
+/// the states to solve it with. A sole about to slip from rest is held, so that it loses the
+/// remainder of its old motion; otherwise friction would oppose that motion.
 pub(crate) fn set_rest(
     p: &mut Problem,
     velocity: &[f64],
@@ -91,11 +91,6 @@ fn set_target(sole: &mut SoleProblem, velocity: &[f64], approach: f64, tol: &Tol
 
 /// Greatest change of a vertex's velocity by the motions `after` (6F), m/s.
 pub(crate) fn greatest_change(p: &Problem, after: &[f64]) -> f64 {
-    let mut change: f64 = 0.0;
-    for (s, sole) in p.soles.iter().enumerate() {
-        for (i, v) in sole.vertices.iter().enumerate() {
-            change = change.max((p.vertex_motion(after, s, i) - v.velocity).norm());
-        }
-    }
-    change
+    let change = |(s, i)| (p.vertex_motion(after, s, i) - p.soles[s].vertices[i].velocity).norm();
+    p.vertex_indices().map(change).fold(0.0, f64::max)
 }

@@ -1,5 +1,5 @@
-//! Painleve's paradox: sliding that no finite force can continue. An impulse ends it in no time: a
-//! *jam*.
+//! Painleve's paradox: sliding that no finite force can continue. An impulse ends it at an instant:
+//! a *jam*.
 //!
 //! Where vertices slide, their normal accelerations depend on the normal forces N and on the
 //! friction that these cause:
@@ -18,12 +18,12 @@
 //!
 //! - b < 0, *inconsistent*: neither sliding nor lift-off is possible. A jam.
 //! - b > 0, *indeterminate*: sliding under load and lift-off are both possible. Lift-off clamps
-//!   less and is taken; the search finds it without this file.
+//!   less and is chosen; the search finds it without this module.
 //!
 //! The jam is an impact without collision ([Lecornu 1905]; [Genot 1999]). With the normal impulse p
 //! as its clock, `dv/dp = A (-mu_k u, 1)`, the vertex is driven into the floor while its slip falls
 //! to zero. From then on it sticks, within the friction cone, and the floor stops it: the impulse
-//! is `-A^-1 v` in all, v = (slip, 0). In a plane problem its tangential part is `A_nn / |A_nt|`
+//! is `-A^-1 v` in total, v = (slip, 0). In a plane problem its tangential part is `A_nn / |A_nt|`
 //! times the normal one, less than mu_k because K < 0. The velocities after it are those of the
 //! plastic impact law of the other impacts for a vanishing approach,
 //!
@@ -31,19 +31,19 @@
 //! v+ = v + d a0 + W p       d -> 0
 //! ```
 //!
-//! (a time step of length d; [Stewart 1998] shows that its limit is the solution). It always has an
-//! answer: either p is of the order of d and a finite force exists, or it is not and is the jam.
-//! The same law gives the motion of all other vertices, in three dimensions and with several soles:
-//! which stop, which slip in another direction and which lift off. No vertex is pulled, and energy
+//! (a time step of length d; [Stewart 1998] shows that its limit is the solution). It always has a
+//! solution: if p is of the order of d a finite force exists, otherwise p is the jam. The same law
+//! gives the motion of all other vertices, in three dimensions and with several soles: which stop,
+//! which slip in another direction and which lift off. No vertex is pulled, and energy
 //! falls: its change is `p . (v+ + v) / 2 = p . v+ - p . W p / 2`, where normal impulses do no work
 //! on `v+_n = 0` and friction opposes `v+_t`.
 //!
 //! In a plane, sliding reaches the limit K = 0 by its own motion only where b vanishes too, with a
 //! force `-b / K` that may grow beyond any bound while its impulse stays finite (the singular point
-//! of [Genot 1999]). The steps end short of it. The rest of that impulse changes no normal
+//! of [Genot 1999]). The steps end before that point. The rest of that impulse changes no normal
 //! velocity, as K = 0; it lasts until b = 0, and the vertex lifts off. In space the slip may also
-//! turn until K = 0, in no time as the force grows; the impulse then turns it further, K < 0, and
-//! that is a jam.
+//! turn until K = 0, at an instant as the force grows. The impulse then turns it further, K < 0,
+//! which is a jam.
 
 use super::copositivity::{SlidingLoad, scale_biases};
 use crate::contact::methods::contact_method::{ContactSolver, SelectionInput};
@@ -59,12 +59,11 @@ use nalgebra::{Vector2, Vector3};
 const APPROACH: f64 = 1e-7;
 /// Greatest change of any velocity by the step d, relative to the greatest velocity.
 const DISTURBANCE: f64 = 1e-4;
-/// Least fraction of its slip that a vertex loses in an impulse of no time, well above
-/// `DISTURBANCE`.
+/// Least fraction of its slip that a vertex loses in a jam, well above `DISTURBANCE`.
 const LOSS: f64 = 1e-2;
-/// Part of the coefficient without friction below which the normal coefficient is at its limit. It
-/// goes there as the root of the time left at worst, so steps of 1e-13 s end within some 1e-6 of
-/// it.
+/// Fraction of the coefficient without friction below which the normal coefficient is at its limit.
+/// At worst it approaches the limit as the square root of the remaining time, so steps of 1e-13 s
+/// end within some 1e-6 of it.
 const LIMIT: f64 = 1e-3;
 /// Fall of the coefficient, in the same unit, that distinguishes a slip that turns from one that
 /// keeps its direction.
@@ -87,13 +86,14 @@ impl SlidingLoad {
     }
 }
 
-/// The jam of a sliding load: the velocity-level problem in the limit `d -> 0` of the module page.
+/// The jam of a sliding load: the velocity-level problem in the limit `d -> 0` of the module's
+/// equation.
 ///
-/// `p` holds the free accelerations and `velocity` the motions of the soles (6F). `allowed`
+/// `p` contains the free accelerations and `velocity` the motions of the soles (6F). `allowed`
 /// restricts the states of each sole. Leaves the solution for a small d in `solution` and the
 /// impulses of the limit in `impulses`. The second value is the selection for the statistics,
 /// `None` if no vertex presses on the floor. The first is its states, `None` if finite forces exist
-/// or the velocity level has no answer either. The problem is then left at the velocity level.
+/// or the velocity level has no solution either. The problem is then left at the velocity level.
 pub(crate) fn jam(
     p: &mut Problem,
     method: &mut dyn ContactSolver,
@@ -104,11 +104,10 @@ pub(crate) fn jam(
     (solution, impulses): (&mut Solution, &mut Solution),
 ) -> (Option<States>, Option<Selection>) {
     let tol = rules.tolerances;
-    let vertices = || p.soles.iter().enumerate().flat_map(|(s, sole)| (0..sole.vertices.len()).map(move |i| (s, i)));
     let near = |&(s, i): &(usize, usize)| p.soles[s].vertices[i].is_near(&tol);
-    let pressing = vertices().filter(near).map(|(s, i)| -p.vertex_motion(&p.b, s, i).z).fold(0.0, f64::max);
-    let fastest = vertices().map(|(s, i)| p.soles[s].vertices[i].velocity.norm()).fold(1.0, f64::max);
-    let greatest = vertices().map(|(s, i)| p.vertex_motion(&p.b, s, i).norm()).fold(0.0, f64::max);
+    let pressing = p.vertex_indices().filter(near).map(|(s, i)| -p.vertex_motion(&p.b, s, i).z).fold(0.0, f64::max);
+    let fastest = p.vertex_indices().map(|(s, i)| p.soles[s].vertices[i].velocity.norm()).fold(1.0, f64::max);
+    let greatest = p.vertex_indices().map(|(s, i)| p.vertex_motion(&p.b, s, i).norm()).fold(0.0, f64::max);
     if pressing == 0.0 {
         return (None, None);
     }
@@ -124,8 +123,7 @@ pub(crate) fn jam(
             (v.moving, v.direction, v.near) = (false, Vector2::zeros(), v.is_near(&tol));
         }
     }
-    // Several answers may be valid. Vertices that jam together stop together where that is one of
-    // them.
+    // Several solutions may be valid. Prefer one in which vertices that jam together stop together.
     let together = |s: usize, state: SoleState| {
         let k = load.loaded[s].len();
         allowed(s, state) && (0..k).all(|i| !load.loaded[s][i] || state.clamps(i, k))

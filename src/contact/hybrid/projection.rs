@@ -1,6 +1,6 @@
-//! Projects out drift: errors of rounding and integration in the clamped directions.
+//! Removes drift: errors of rounding and integration in the clamped directions.
 //!
-//! The mass-weighted least change removes errors of velocity and position, `dq = M^-1 J^T w` with
+//! The least mass-weighted change removes errors of velocity and position, `dq = M^-1 J^T w` with
 //! `R (J dq + e) = 0` (`docs/contact.md`, section 8). It is the candidate solve at the velocity
 //! level, without friction, with the errors as free motion. A static sole is held at the positions
 //! of its vertices when it was clamped (its anchors), a sliding one at their heights.

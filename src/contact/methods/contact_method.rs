@@ -1,8 +1,8 @@
-//! Interface of contact methods: [`ContactMethod`] is a method with its parameters, [`ContactSolver`] solves the problems of
-//! one run with it.
+//! Interface of contact methods: [`ContactMethod`] is a method with its parameters,
+//! [`ContactSolver`] solves the problems of one run with it.
 //!
-//! The methods of this crate are listed in [`super::registry`]. A method outside the crate implements both traits, and
-//! `Setup::contact.method` takes it.
+//! The methods of this crate are listed in [`super::registry`]. A method outside the crate
+//! implements both traits and is set as `Setup::contact.method`.
 
 use super::registry::MethodParameters;
 use crate::contact::model::problem::Problem;
@@ -17,7 +17,7 @@ pub trait ContactMethod: Debug + Send + Sync {
     /// Name in logs, summaries and messages.
     fn name(&self) -> &str;
 
-    /// A solver for problems of the size of `p`: soles and vertices. Allocates here what it needs later.
+    /// A solver for problems with the soles and vertices of `p`. Allocates all its memory here.
     fn solver(&self, p: &Problem) -> Box<dyn ContactSolver>;
 
     /// Parameters that records of selections store with the name.
@@ -31,23 +31,25 @@ pub trait ContactMethod: Debug + Send + Sync {
 pub struct SelectionInput<'a> {
     /// Tolerances, the previous states, and which of them an event has put in doubt.
     pub rules: &'a Rules,
-    /// False when nothing has happened since the previous states were selected.
+    /// Whether an event has occurred since the previous states were selected.
     pub event: bool,
     /// Which states each sole may take (forced states of a scenario).
     pub allowed: &'a dyn Fn(usize, SoleState) -> bool,
 }
 
-/// How a method advances in time, and what the simulator does for it.
+/// How a method advances in time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Scheme {
-    /// Searches for valid states: events are located, impacts are problems of their own, a step closes its gaps.
+    /// Searches for valid states: events are located, impacts are separate problems, and a step
+    /// closes its gaps.
     EventDriven,
     /// Decides from the quantities at the start of each step, and holds the decision for the step.
     DecidedPerStep,
-    /// Forces follow from present positions and velocities: nothing is clamped, no velocity jumps, states are labels.
+    /// Forces follow from present positions and velocities: nothing is clamped, no velocity jumps,
+    /// states are labels.
     Compliant,
-    /// Solves for the velocities at the end of a fixed step and the impulses over it. It has no forces in between, selects
-    /// no states beforehand, and gives the load of each vertex itself.
+    /// Solves for the velocities at the end of a fixed step and the impulses over it. It has no
+    /// forces within a step, selects no states beforehand, and gives the load of each vertex.
     TimeStepping,
 }
 
@@ -70,22 +72,24 @@ pub trait ContactSolver: Send {
         self.scheme() == Scheme::EventDriven
     }
 
-    /// Are the vertex forces of its solutions its own? Otherwise the wrenches of static soles are shared over their vertices.
+    /// Do its solutions contain vertex forces? Otherwise the wrenches of static soles are
+    /// distributed over their vertices.
     fn gives_vertex_forces(&self) -> bool {
         matches!(self.scheme(), Scheme::Compliant | Scheme::TimeStepping)
     }
 
-    /// Selects the states at the acceleration level and leaves their wrenches in `out`, which holds the last known
-    /// solution on entry.
+    /// Selects the states at the acceleration level and leaves their wrenches in `out`. On entry
+    /// `out` contains the last known solution.
     fn select(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection;
 
-    /// Selects states and impulses at the velocity level: an impact, or a step of a time-stepping integrator.
+    /// Selects states and impulses at the velocity level: an impact, or a step of a time-stepping
+    /// integrator.
     fn impulse(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection;
 
     /// Wrenches for fixed states, with the directions in the problem: called at every evaluation.
     fn respond(&mut self, p: &Problem, states: &States, out: &mut Solution);
 
-    /// Energy of its springs with the vertices at their present positions.
+    /// Energy of the method's springs at the present positions of the vertices.
     fn stored(&self, _: &Problem) -> StoredEnergy {
         StoredEnergy::default()
     }

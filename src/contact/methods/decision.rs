@@ -1,7 +1,8 @@
-//! Decision rules of the one-step method, sole by sole, without trial states (`docs/contact.md` section 10; [Hale 2008],
-//! III.B).
+//! Decision rules of the one-step method, sole by sole, without trial states (`docs/contact.md`
+//! section 10; [Hale 2008], III.B).
 //!
-//! **Clamp or release.** Every vertex decides for itself from present quantities, at the first level that has an opinion:
+//! **Clamp or release.** Every vertex votes independently, from present quantities, at the first
+//! level that applies:
 //!
 //! | level | clamp | release | weight |
 //! |---|---|---|---|
@@ -9,34 +10,39 @@
 //! | force | clamped and pushed (N_i > 0) | clamped and pulled (N_i < 0) | n + 1 |
 //! | velocity | moving towards the floor, or not at all | moving away from it | 1 |
 //!
-//! with n the number of vertices of the sole, so that one vertex of a level outweighs all of those below.
+//! with n the number of vertices of the sole, so that one vertex of a level outweighs all vertices
+//! of the levels below.
 //!
-//! **Pattern.** Each pattern costs the weights of the vertices that disagree with it; the cheapest is taken. Among equals
-//! the one that holds down the fewest pulled vertices, then the one that keeps most of the load, then the one in force,
-//! then the one that clamps most.
+//! **Pattern.** The cost of a pattern is the weight of the vertices that disagree with it; the
+//! pattern of least cost is chosen. Ties are broken by, in this order:
 //!
-//! **Mode.** A sticking sole keeps sticking while its last friction load is within its capacity. Then it slips along the
-//! twist of that load, turning about a vertex if the twist has its centre there. A sliding sole sticks when its sliding
-//! velocities have reversed or vanished; where that happens to one vertex alone, the sole turns about it. A sole that
-//! lands sticks if it is slower than v_t.
+//! 1. the fewest pulled vertices clamped,
+//! 2. the greatest load on clamped vertices,
+//! 3. the present pattern,
+//! 4. the most clamped vertices.
+//!
+//! **Mode.** A sticking sole keeps sticking while its last friction load is within its capacity.
+//! Beyond that it slips along the twist of the load, turning about a vertex if the twist has its
+//! centre there. A sliding sole sticks when its sliding velocities have reversed or vanished; if
+//! only one vertex stops, the sole turns about it. A landing sole sticks if it is slower than v_t.
 
 use crate::contact::model::problem::{Problem, SoleProblem, Tolerances};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
-use crate::contact::search::judge::{self, carried, margin};
+use crate::contact::search::judge::{self, friction_suffices, margin};
 use crate::contact::search::sliding_directions::Onset;
 
 /// Vote of one vertex.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Vote {
-    /// To be clamped, or not.
+    /// Whether the vertex is to be clamped.
     pub clamp: bool,
-    /// How much that weighs.
+    /// Weight of the vote.
     pub weight: f64,
 }
 
-/// The vote of one vertex of a sole with `n`: its height (m) and normal velocity (m/s), whether it is clamped now, and the
-/// last normal force on it (N).
+/// The vote of one vertex of a sole with `n`: its height (m) and normal velocity (m/s), whether it
+/// is clamped now, and the last normal force on it (N).
 pub fn vote(height: f64, speed: f64, clamped: bool, normal: f64, n: usize, tol: &Tolerances) -> Vote {
     let level = (n + 1) as f64;
     if height.abs() > tol.distance {
@@ -48,7 +54,8 @@ pub fn vote(height: f64, speed: f64, clamped: bool, normal: f64, n: usize, tol: 
     }
 }
 
-/// The cheapest pattern for these votes. `normal` are the last normal forces, N; `now` the pattern in force.
+/// The pattern of least cost for these votes. `normal` are the last normal forces, N; `now` is the
+/// present pattern.
 pub fn cheapest(votes: &[Vote], normal: &[f64], now: Pattern) -> Pattern {
     let k = votes.len();
     // Smaller is better.
@@ -77,8 +84,9 @@ pub fn pattern(p: &Problem, s: usize, before: SoleState, last: &Solution, tol: &
     cheapest(&votes[..k], &last.normal[s], before.pattern)
 }
 
-/// Sticking or sliding of sole `s` on `pattern`, from its last load and its present velocities. Leaves the sliding directions
-/// of its vertices in the problem where it starts or continues to slide.
+/// Sticking or sliding of sole `s` on `pattern`, from its last load and its present velocities.
+/// Leaves the sliding directions of its vertices in the problem where it starts or continues to
+/// slide.
 pub fn mode(
     p: &mut Problem,
     s: usize,
@@ -90,25 +98,25 @@ pub fn mode(
     let before = previous[s];
     let stuck = SoleState::fixed(pattern);
     let mode = if before.is_static() {
-        let load = (!carried(p, previous, s, last)).then(|| margin(p, previous, s, last));
+        let load = (!friction_suffices(p, previous, s, last)).then(|| margin(p, previous, s, last));
         match load.filter(|load| load.normal >= 0.0 && load.friction < 0.0) {
             Some(_) => {
                 let mut onset = Onset::default();
                 judge::onset(p, previous, s, last, &mut onset);
-                give_way(&mut p.soles[s], stuck, &onset)
+                mode_at_onset(&mut p.soles[s], stuck, &onset)
             }
-            None => come_down(&mut p.soles[s], stuck, before, tol),
+            None => mode_at_landing(&mut p.soles[s], stuck, before, tol),
         }
     } else if before.is_dynamic() {
-        go_on(&mut p.soles[s], stuck, before, last, s, tol)
+        mode_while_sliding(&mut p.soles[s], stuck, before, last, s, tol)
     } else {
-        come_down(&mut p.soles[s], stuck, before, tol)
+        mode_at_landing(&mut p.soles[s], stuck, before, tol)
     };
     SoleState { pattern, mode }
 }
 
-/// The mode of a sole whose load is beyond its capacity and that begins to slip as `onset` says.
-fn give_way(sole: &mut SoleProblem, stuck: SoleState, onset: &Onset) -> Mode {
+/// The mode of a sole whose load exceeds its capacity and that begins to slip according to `onset`.
+fn mode_at_onset(sole: &mut SoleProblem, stuck: SoleState, onset: &Onset) -> Mode {
     let k = sole.vertices.len();
     let (mut slipping, mut holding, mut at) = (0, 0, None);
     for (i, v) in sole.vertices.iter_mut().enumerate().filter(|(i, _)| stuck.clamps(*i, k)) {
@@ -120,12 +128,12 @@ fn give_way(sole: &mut SoleProblem, stuck: SoleState, onset: &Onset) -> Mode {
             at = Some(i);
         }
     }
-    turning_about(slipping, holding, at)
+    mode_of(slipping, holding, at)
 }
 
-/// The mode of a sole of whose clamped vertices some slip and some hold, `at` among these. A single one turns about itself
-/// without friction: it sticks.
-fn turning_about(slipping: usize, holding: usize, at: Option<usize>) -> Mode {
+/// The mode of a sole with these numbers of slipping and holding clamped vertices; `at` is one that
+/// holds. A single vertex turns about itself without friction: it sticks.
+fn mode_of(slipping: usize, holding: usize, at: Option<usize>) -> Mode {
     match (slipping, holding, at) {
         (0, ..) => Mode::Static,
         (_, 1, Some(j)) => Mode::Pivoting(j as u8),
@@ -134,7 +142,7 @@ fn turning_about(slipping: usize, holding: usize, at: Option<usize>) -> Mode {
 }
 
 /// The mode of a sole that slid in state `before`.
-fn go_on(
+fn mode_while_sliding(
     sole: &mut SoleProblem,
     stuck: SoleState,
     before: SoleState,
@@ -162,9 +170,9 @@ fn go_on(
             at = Some(i);
         }
     }
-    let mode = turning_about(sliding, stopped, at);
+    let mode = mode_of(sliding, stopped, at);
     if mode == Mode::Sliding {
-        // Those that have turned while most go on slide in their new direction.
+        // Vertices that have turned while others continue to slide get their new direction.
         for (_, v) in sole.vertices.iter_mut().enumerate().filter(|(i, _)| stuck.clamps(*i, k)) {
             v.direction = v.velocity.xy().try_normalize(tol.rest).unwrap_or(v.direction);
         }
@@ -172,16 +180,17 @@ fn go_on(
     mode
 }
 
-/// Sets the sliding directions of a sole along its present velocities; a vertex slower than `rest` (m/s) has none.
-pub fn oppose(sole: &mut SoleProblem, rest: f64) {
+/// Sets the sliding directions of a sole along its present velocities. A vertex slower than `rest`
+/// (m/s) gets none.
+pub fn set_directions(sole: &mut SoleProblem, rest: f64) {
     for v in &mut sole.vertices {
         v.direction = v.velocity.xy().try_normalize(rest).unwrap_or_default();
     }
 }
 
-/// The mode of a sole that was in the air, or stuck with other vertices: those that come down slide if they are faster
-/// than v_t.
-fn come_down(sole: &mut SoleProblem, stuck: SoleState, before: SoleState, tol: &Tolerances) -> Mode {
+/// The mode of a sole that was in the air, or stuck with other vertices: landing vertices slide if
+/// they are faster than v_t.
+fn mode_at_landing(sole: &mut SoleProblem, stuck: SoleState, before: SoleState, tol: &Tolerances) -> Mode {
     let k = sole.vertices.len();
     let (mut sliding, mut holding, mut at) = (0, 0, None);
     for (i, v) in sole.vertices.iter_mut().enumerate().filter(|(i, _)| stuck.clamps(*i, k)) {
@@ -194,7 +203,7 @@ fn come_down(sole: &mut SoleProblem, stuck: SoleState, before: SoleState, tol: &
             at = Some(i);
         }
     }
-    turning_about(sliding, holding, at)
+    mode_of(sliding, holding, at)
 }
 
 #[cfg(test)]
@@ -205,7 +214,8 @@ mod tests {
     const K: usize = 4;
     const FACE: SoleState = SoleState { pattern: Pattern::Face, mode: Mode::Static };
 
-    /// A square foot of half side 1 m that lies on the floor, mu 0.5 and 0.4; and 10 N on each vertex as the last load.
+    /// A square foot of half side 1 m that lies on the floor, mu 0.5 and 0.4; and 10 N on each
+    /// vertex as the last load.
     fn standing() -> (Problem, Solution) {
         let mut p = Problem::new(&[K]);
         p.soles[0].radius = 2f64.sqrt();
@@ -221,7 +231,8 @@ mod tests {
         (p, last)
     }
 
-    /// The last load carries this tangential force and yaw moment, split evenly and as a turn about the middle.
+    /// The last load carries this tangential force and yaw moment, split evenly and as a turn about
+    /// the middle.
     fn load(last: &mut Solution, p: &Problem, force: [f64; 2], yaw: f64) {
         last.wrench.copy_from_slice(&[force[0], force[1], 40.0, 0.0, 0.0, yaw]);
         for (t, v) in last.tangent[0].iter_mut().zip(&p.soles[0].vertices) {
@@ -273,15 +284,16 @@ mod tests {
         }
     }
 
-    fn votes(wants: [(bool, f64); K]) -> [Vote; K] {
-        wants.map(|(clamp, weight)| Vote { clamp, weight })
+    fn votes(list: [(bool, f64); K]) -> [Vote; K] {
+        list.map(|(clamp, weight)| Vote { clamp, weight })
     }
 
     #[test]
     fn the_pattern_follows_the_heavier_votes() {
         let even = [1.0; K];
         let (f, v) = (5.0, 1.0);
-        // Three pushed corners and one that moves away slowly: the face, at the cost of one light vote.
+        // Three pushed corners and one that moves away slowly: the face, at the cost of one light
+        // vote.
         assert_eq!(
             cheapest(&votes([(true, f), (true, f), (true, f), (false, v)]), &even, Pattern::Face),
             Pattern::Face
@@ -291,7 +303,7 @@ mod tests {
             cheapest(&votes([(true, f), (true, f), (false, f), (false, f)]), &even, Pattern::Face),
             Pattern::Edge(0)
         );
-        // A diagonal cannot be clamped alone: one of the two gives way.
+        // A diagonal is not a pattern: one of its two vertices is released.
         let diagonal = votes([(true, 25.0), (false, f), (true, f), (false, f)]);
         assert_eq!(cheapest(&diagonal, &even, Pattern::Free), Pattern::Vertex(0));
         assert_eq!(cheapest(&votes([(false, 25.0); K]), &even, Pattern::Face), Pattern::Free);
@@ -300,8 +312,8 @@ mod tests {
 
     #[test]
     fn among_equals_nothing_is_held_down_and_most_of_the_load_is_kept() {
-        // The centre of pressure has left the foot at vertex 0: three are pushed, the one across is pulled. The face and
-        // the two edges that meet at vertex 0 disagree with one vertex each.
+        // The centre of pressure has left the foot at vertex 0: three are pushed, the one across is
+        // pulled. The face and the two edges that meet at vertex 0 disagree with one vertex each.
         let pushed = votes([(true, 5.0), (true, 5.0), (false, 5.0), (true, 5.0)]);
         assert_eq!(cheapest(&pushed, &[15.0, 5.1, -5.0, 4.9], Pattern::Face), Pattern::Edge(0));
         assert_eq!(cheapest(&pushed, &[15.0, 4.9, -5.0, 5.1], Pattern::Face), Pattern::Edge(3));
@@ -315,7 +327,7 @@ mod tests {
         // 0.5 of 40 N.
         load(&mut last, &p, [20.1, 0.0], 0.0);
         assert_eq!(decide(&mut p, FACE, &last), SoleState::sliding(Pattern::Face));
-        // It gives way against the friction it carried.
+        // It slips against the friction it carried.
         assert!(p.soles[0].vertices.iter().all(|v| (v.direction + Vector2::x()).norm() < 1e-6));
     }
 
@@ -338,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn one_that_slides_goes_on_until_it_has_turned_or_stopped() {
+    fn a_sliding_sole_slides_until_it_has_reversed_or_stopped() {
         let (mut p, last) = standing();
         let before = SoleState::sliding(Pattern::Face);
         sliding_along(&mut p, [0.01, 0.0], 0.0);
@@ -350,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn one_that_slides_turns_about_the_vertex_that_stops() {
+    fn a_sliding_sole_turns_about_the_vertex_that_stops() {
         let (mut p, last) = standing();
         // Turning about vertex 0.
         sliding_along(&mut p, [0.1, -0.1], 0.1);
@@ -367,11 +379,11 @@ mod tests {
         let pivot = SoleState { pattern: Pattern::Face, mode: Mode::Pivoting(0) };
         last.tangent[0][0] = Vector2::new(0.0, 5.1);
         assert_eq!(decide(&mut p, pivot, &last), SoleState::sliding(Pattern::Face));
-        assert_eq!(p.soles[0].vertices[0].direction, Vector2::new(0.0, -1.0), "against the load it gave way to");
+        assert_eq!(p.soles[0].vertices[0].direction, Vector2::new(0.0, -1.0), "against the load beyond its capacity");
     }
 
     #[test]
-    fn what_comes_down_slides_if_it_is_fast() {
+    fn a_landing_sole_slides_if_it_is_fast() {
         let (mut p, last) = standing();
         sliding_along(&mut p, [0.2, 0.0], 0.0);
         assert_eq!(decide(&mut p, SoleState::FREE, &last), SoleState::sliding(Pattern::Face));
@@ -380,7 +392,7 @@ mod tests {
     }
 
     #[test]
-    fn an_edge_that_comes_down_beside_a_resting_vertex_turns_about_it() {
+    fn an_edge_that_lands_with_a_resting_vertex_turns_about_it() {
         let (mut p, mut last) = standing();
         last.normal[0].copy_from_slice(&[40.0, 0.0, 0.0, 0.0]);
         last.wrench.copy_from_slice(&[0.0, 0.0, 40.0, 40.0, -40.0, 0.0]);

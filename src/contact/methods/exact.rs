@@ -1,5 +1,5 @@
-//! The exact method: searches for a valid contact state. In continuous time it does so at events only, with fixed steps
-//! once per step, on the velocities at its end.
+//! The exact method: searches for a valid contact state, in continuous time at events only, with
+//! fixed steps once per step for the velocities at its end.
 
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput};
 use crate::contact::methods::registry::MethodDescriptor;
@@ -8,7 +8,7 @@ use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
 use crate::contact::search::select::{Selection, Selector, first_mode};
 
-/// What scenarios and reports need to know of this method.
+/// Descriptor for scenarios and reports.
 pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     name: "exact",
     doc: "Exact Coulomb friction: contact states are tested until one is consistent.",
@@ -21,7 +21,7 @@ pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     solver: |_, p| Box::new(Exact::new(p)),
 };
 
-/// Solver of the method that the module describes.
+/// Solver of the method.
 pub struct Exact {
     selector: Selector,
 }
@@ -32,16 +32,16 @@ impl Exact {
         Exact { selector: Selector::new(p) }
     }
 
-    /// The states as they were, with the modes that the velocities allow.
+    /// The previous patterns, with the modes that the velocities allow.
     fn carry_over(p: &Problem, before: &States) -> States {
         let mut start = *before;
         for s in 0..p.soles.len() {
-            let turns_on = match before[s].mode {
+            let keeps_turning = match before[s].mode {
                 Mode::Pivoting(j) => before[s].is_dynamic() && !p.soles[s].vertices[j as usize].moving,
                 _ => false,
             };
             let fresh = first_mode(p, s, before[s].pattern);
-            start[s] = if turns_on && fresh.is_dynamic() { before[s] } else { fresh };
+            start[s] = if keeps_turning && fresh.is_dynamic() { before[s] } else { fresh };
         }
         start
     }
@@ -69,7 +69,7 @@ impl ContactSolver for Exact {
                 v.direction = v.velocity.xy().normalize();
             }
         }
-        // The vertices of a sole that stops do so together, but for what the integrator cannot resolve.
+        // The vertices of a sole that stops do so together, up to the resolution of the integrator.
         for (s, sole) in p.soles.iter_mut().enumerate() {
             let (state, k) = (input.rules.previous[s], sole.vertices.len());
             let clamped = |i: &usize| state.clamps(*i, k);
@@ -79,12 +79,12 @@ impl ContactSolver for Exact {
             }
         }
         let start = Self::carry_over(p, &input.rules.previous);
-        let start = permit(p, start, input);
+        let start = replace_forbidden(p, start, input);
         self.selector.select(p, &start, !input.event, input.rules, input.allowed, out)
     }
 
     fn impulse(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
-        // Start with everything that touches and does not already leave.
+        // Start with all vertices that touch and do not already leave.
         let mut start = States::default();
         for (s, sole) in p.soles.iter().enumerate() {
             let approaches = |i: usize| {
@@ -92,21 +92,21 @@ impl ContactSolver for Exact {
                 v.near && p.vertex_motion(&p.b, s, i).z < sole.vertex_target(i)
             };
             let k = sole.vertices.len();
-            let kept = input.rules.previous[s];
-            let pattern = covering(k, |i| approaches(i) || (kept.clamps(i, k) && sole.vertices[i].near));
+            let previous = input.rules.previous[s];
+            let pattern = covering(k, |i| approaches(i) || (previous.clamps(i, k) && sole.vertices[i].near));
             start[s] = SoleState::fixed(pattern);
         }
-        let start = permit(p, start, input);
+        let start = replace_forbidden(p, start, input);
         self.selector.select(p, &start, !input.event, input.rules, input.allowed, out)
     }
 
     fn respond(&mut self, p: &Problem, states: &States, out: &mut Solution) {
-        self.selector.kernel().solve(p, states, out);
+        self.selector.solver().solve(p, states, out);
     }
 }
 
-/// Replaces states that are not allowed by the first that is.
-fn permit(p: &Problem, mut states: States, input: &SelectionInput) -> States {
+/// Replaces each state that is not allowed by the first allowed one.
+fn replace_forbidden(p: &Problem, mut states: States, input: &SelectionInput) -> States {
     for (s, sole) in p.soles.iter().enumerate() {
         if !(input.allowed)(s, states[s]) {
             let k = sole.vertices.len();

@@ -1,7 +1,8 @@
 //! Time stepping with a polyhedral friction cone: one linear complementarity problem a step.
 //!
-//! On the velocities at the end of a step, for every point c (a vertex that may meet the floor, see [`crate::contact::methods::points`]),
-//! with directions `e_j = (cos, sin)(2 pi j / m)`, j = 0 .. m - 1, the first along the floor's x axis:
+//! For the velocities at the end of a step, at every point c (a vertex that may meet the floor, see
+//! [`crate::contact::methods::points`]), with directions `e_j = (cos, sin)(2 pi j / m)`,
+//! j = 0 .. m - 1, the first along the floor's x axis:
 //!
 //! ```text
 //! 0 <= N       _|_  v_n - target               >= 0        target = -gap / dt
@@ -9,27 +10,31 @@
 //! 0 <= lambda  _|_  mu N - sum_j beta_j        >= 0
 //! ```
 //!
-//! N and t are impulses over the step, lambda is the sliding speed (the greatest of `-e_j . v_t`). The velocities are
-//! affine in the impulses, so this is `w = M z + q` in (N, beta, lambda) of all points; M is copositive and
-//! [`Lemke`]'s algorithm solves it unless the constraints contradict each other. Impulses are measured in velocities, in
-//! units of the greatest answer of a point to its own impulse, so that all entries are of order one.
+//! N and t are impulses over the step, lambda is the sliding speed (the greatest of `-e_j . v_t`).
+//! The velocities are affine in the impulses, so this is `w = M z + q` in (N, beta, lambda) of all
+//! points. M is copositive, and [`Lemke`]'s algorithm solves it unless the constraints contradict
+//! each other. Impulses are scaled to velocities by the greatest response of a point to its own
+//! impulse, so that all entries are of order one.
 //!
-//! When Lemke ends on a ray, at its limit of pivots or with an answer that misses the conditions, the selection counts as
-//! `inconsistent` and the impulses are those that the sweeps of [`super::ncp`] reach on the round cone.
+//! When Lemke ends on a ray, at its limit of pivots or with a solution that violates the
+//! conditions, the selection counts as `inconsistent`, and the impulses come from the sweeps of
+//! [`super::ncp`] on the round cone.
 //!
-//! Known flaw: friction is the greatest dissipation in a polygon, not a circle. What sticks holds at least
-//! mu N cos(pi / m), in the middle between two directions; what slides is slowed along the direction nearest against its
-//! motion and veers, until it moves in the middle between two and is slowed by mu N cos(pi / m).
+//! Known flaw: friction dissipates most within a polygon, not a circle. A sticking point holds at
+//! least mu N cos(pi / m), in the middle between two directions. A sliding point is slowed along
+//! the direction most opposed to its motion, and veers until it moves in the middle between two
+//! directions and is slowed by mu N cos(pi / m).
 //!
 //! Sources: [Stewart 1996], [Anitescu 1997].
 
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput};
-use crate::contact::methods::ncp::{Sweeps, plain};
+use crate::contact::methods::ncp::Sweeps;
 use crate::contact::methods::points::Points;
 use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::States;
+use crate::contact::search::judge::Assessment;
 use crate::contact::search::select::Selection;
 use crate::linalg::lemke::{Lemke, LemkeOutcome};
 use nalgebra::{Vector2, Vector3};
@@ -37,17 +42,17 @@ use schemars::JsonSchema;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 
-/// What an answer may miss of its conditions, relative to the greatest velocity.
-const MISSED: f64 = 1e-9;
+/// Tolerated violation of the conditions, relative to the greatest velocity.
+const VIOLATION: f64 = 1e-9;
 
-/// Ties of Lemke's ratio test, tried in turn. Of 40 000 impacts of one and two bodies the first leaves 46 unsolved, the
-/// second none.
+/// Tie tolerances of Lemke's ratio test, tried in turn. Of 40 000 impacts of one and two bodies the
+/// first leaves 46 unsolved, the second none.
 const TIES: [f64; 3] = [1e-12, 1e-10, 1e-8];
 
-/// Sweeps and their tolerance, relative to the greatest velocity, where there is no answer.
+/// Sweeps and their tolerance, relative to the greatest velocity, where Lemke finds no solution.
 const FALLBACK: (u32, f64) = (1000, 1e-9);
 
-/// What scenarios and reports need to know of this method.
+/// Descriptor for scenarios and reports.
 pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     name: "lcp",
     doc: "Time stepping with a polyhedral friction cone: one linear complementarity problem per step.",
@@ -85,13 +90,13 @@ impl Default for LcpParameters {
 }
 
 impl LcpParameters {
-    /// Unknowns for this many points.
+    /// Number of unknowns for `points` points.
     pub fn unknowns(self, points: usize) -> usize {
         points * (self.facets as usize + 2)
     }
 }
 
-/// Solver of the method that the module describes.
+/// Solver of the method.
 pub struct Lcp {
     directions: Vec<Vector2<f64>>,
     points: Points,
@@ -116,7 +121,7 @@ impl Lcp {
         }
     }
 
-    fn answer(&mut self, p: &Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
+    fn solve(&mut self, p: &Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
         let tol = &input.rules.tolerances;
         self.points.gather(p, tol.velocity);
         let count = self.points.list().len();
@@ -124,12 +129,12 @@ impl Lcp {
         let fastest = (0..count).map(|c| self.points.velocity(c, &p.b).norm()).fold(f64::MIN_POSITIVE, f64::max);
         let (mut load, mut consistent) = (0.0, false);
         for tie in TIES {
-            let unit = self.pose(p);
+            let unit = self.assemble(p);
             load = unit * fastest;
             let (end, _) = self.lemke.solve(&mut self.z[..n], tie);
-            self.read(unit);
-            self.points.deliver(p, &self.impulses[..count], out);
-            consistent = end == LemkeOutcome::Solved && self.miss(out, load, fastest) <= MISSED * fastest;
+            self.read_impulses(unit);
+            self.points.write_solution(p, &self.impulses[..count], out);
+            consistent = end == LemkeOutcome::Solved && self.violation(out, load, fastest) <= VIOLATION * fastest;
             if consistent {
                 break;
             }
@@ -138,15 +143,15 @@ impl Lcp {
             self.fallback.start(p, &self.points, None);
             self.fallback.run(&self.points, FALLBACK.0, FALLBACK.1 * fastest);
             self.impulses[..count].copy_from_slice(self.fallback.impulses());
-            self.points.deliver(p, &self.impulses[..count], out);
+            self.points.write_solution(p, &self.impulses[..count], out);
         }
         let states = self.points.states(p, out, |c| self.points.velocity(c, &out.motion).xy().norm() > tol.rest);
-        let levels = if consistent { [0.0; 3] } else { [0.0, self.miss(out, load, fastest) / tol.velocity, 0.0] };
-        Selection { states, tested: 1, consistent, verdict: plain(levels) }
+        let levels = if consistent { [0.0; 3] } else { [0.0, self.violation(out, load, fastest) / tol.velocity, 0.0] };
+        Selection { states, tested: 1, consistent, assessment: Assessment { levels, ..Assessment::default() } }
     }
 
     /// Fills M and q; returns the unit of impulses, so that N is a velocity times it.
-    fn pose(&mut self, p: &Problem) -> f64 {
+    fn assemble(&mut self, p: &Problem) -> f64 {
         let (points, e) = (&self.points, &self.directions);
         let (count, m) = (points.list().len(), e.len());
         let size = m + 2;
@@ -184,8 +189,8 @@ impl Lcp {
         unit
     }
 
-    /// Impulses from the unknowns.
-    fn read(&mut self, unit: f64) {
+    /// Reads the impulses from the unknowns.
+    fn read_impulses(&mut self, unit: f64) {
         let size = self.directions.len() + 2;
         for (c, impulse) in self.impulses[..self.points.list().len()].iter_mut().enumerate() {
             let z = &self.z[c * size..(c + 1) * size];
@@ -194,13 +199,13 @@ impl Lcp {
         }
     }
 
-    /// The greatest violation of the normal and friction conditions by delivered impulses, m/s: what approaches, what
-    /// carries and yet leaves, what sliding is not opposed by friction to the full. Products are divided by the impulse
-    /// `load`, and what lies outside the pyramid is turned into a velocity by `fastest / load`.
-    fn miss(&self, out: &Solution, load: f64, fastest: f64) -> f64 {
+    /// Greatest violation of the normal and friction conditions, m/s: approach, separation under
+    /// load, and sliding without full friction. Products are divided by the impulse `load`.
+    /// Friction beyond the pyramid is converted to a velocity by `fastest / load`.
+    fn violation(&self, out: &Solution, load: f64, fastest: f64) -> f64 {
         let m = self.directions.len();
         let middle = (std::f64::consts::PI / m as f64).cos();
-        let mut miss: f64 = 0.0;
+        let mut greatest: f64 = 0.0;
         for (c, (point, impulse)) in self.points.list().iter().zip(&self.impulses).enumerate() {
             let v = self.points.velocity(c, &out.motion);
             let gap = v.z - point.target;
@@ -209,10 +214,10 @@ impl Lcp {
             let sides = (0..m).map(|j| (self.directions[j] + self.directions[(j + 1) % m]).normalize());
             let farthest = sides.map(|side| side.dot(&impulse.xy())).fold(0.0, f64::max);
             let outside = farthest - point.mu * impulse.z.max(0.0) * middle;
-            miss = miss.max(-gap).max(gap.abs() * impulse.z / load).max(opposed.abs() / load);
-            miss = miss.max(outside.max(-impulse.z) * fastest / load);
+            greatest = greatest.max(-gap).max(gap.abs() * impulse.z / load).max(opposed.abs() / load);
+            greatest = greatest.max(outside.max(-impulse.z) * fastest / load);
         }
-        miss
+        greatest
     }
 }
 
@@ -228,11 +233,11 @@ impl ContactSolver for Lcp {
     }
 
     fn select(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
-        self.answer(p, input, out)
+        self.solve(p, input, out)
     }
 
     fn impulse(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
-        self.answer(p, input, out)
+        self.solve(p, input, out)
     }
 
     fn respond(&mut self, _: &Problem, _: &States, _: &mut Solution) {}

@@ -1,4 +1,4 @@
-//! Contact methods: how states and forces are found.
+//! Contact methods, which find states and forces.
 //!
 //! | file | method |
 //! |---|---|
@@ -7,8 +7,9 @@
 //! | [`penalty`] | springs and dampers, regularised friction |
 //! | [`lcp`], [`ncp`] (on [`points`]) | time stepping on a polyhedral and on the round friction cone |
 //!
-//! All are behind the traits of [`contact_method`] and listed in [`registry`]. Methods use `contact::model`,
-//! `contact::search` and `linalg`; `sim` calls them through the traits, scenarios and reports read the registry.
+//! All implement the traits of [`contact_method`] and are listed in [`registry`]. Methods use
+//! `contact::model`, `contact::search` and `linalg`. `sim` calls them through the traits; scenarios
+//! and reports read the registry.
 
 pub mod contact_method;
 pub mod decision;

@@ -1,27 +1,31 @@
 //! Time stepping on the true friction cone, by projected Gauss-Seidel.
 //!
-//! On the velocities at the end of a step, for every point c (a vertex that may meet the floor, see [`crate::contact::methods::points`])
+//! For the velocities at the end of a step, at every point c (a vertex that may meet the floor, see
+//! [`crate::contact::methods::points`])
 //!
 //! ```text
 //! 0 <= N_c  _|_  v_n - target >= 0
 //! t_c in the disc of radius mu N_c,  and  v_t != 0  =>  t_c = -mu N_c v_t / |v_t|
 //! ```
 //!
-//! with `target = -gap / dt`: Coulomb's law, isotropic, and no lift by sliding. The points are visited in turn and every
-//! one is relaxed by the projections whose fixed points these are, `v` being kept up to date between them:
+//! with `target = -gap / dt`: Coulomb's law, isotropic, and sliding causes no lift. The points are
+//! visited in turn. Each is relaxed by the projections whose fixed points are these conditions, and
+//! `v` is updated after each projection:
 //!
 //! ```text
 //! N <- max(0, N - (v_n - target) / D_nn)
 //! t <- P(t - v_t / D_tt)                     P projects onto the disc of radius mu N
 //! ```
 //!
-//! D_nn is the point's own normal answer, D_tt the greatest eigenvalue of its tangential one, which makes both steps
-//! descents. The first is exact for its point. A sweep's error is the greatest change of an impulse in it, as a velocity
-//! (times D_nn or D_tt), m/s. Sweeps end at `tolerance` or after `iterations`, whichever is first, and the answer is used
-//! as it is: the remaining error shows in the residuals. Sweeps start from the impulses of the previous step.
+//! D_nn is the point's normal response to its own impulse, D_tt the greatest eigenvalue of the
+//! tangential response, which makes both steps descents. The first is exact for its point. The
+//! error of a sweep is the greatest change of an impulse in it, as a velocity (times D_nn or D_tt),
+//! m/s. Sweeps start from the impulses of the previous step and end at `tolerance` or after
+//! `iterations`, whichever is first. The remaining error shows in the residuals.
 //!
-//! Known flaw: convergence is linear and slow where points work against each other (several on one sole, heavy on light);
-//! cut short, soles creep and sink, and the answer depends on the order of the points.
+//! Known flaw: convergence is linear and slow where points work against each other (several on one
+//! sole, heavy on light bodies). After too few sweeps soles creep and sink, and the solution
+//! depends on the order of the points.
 //!
 //! Sources: [Moreau 1988], [Jean 1999]; [Erleben 2007] for the splitting.
 
@@ -30,18 +34,18 @@ use crate::contact::methods::points::Points;
 use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::{MAX_SOLES, States};
-use crate::contact::search::judge::{Faults, Verdict};
+use crate::contact::model::state::States;
+use crate::contact::search::judge::Assessment;
 use crate::contact::search::select::Selection;
 use crate::text::quantity::{count, json, positive};
 use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A point whose friction is within this part of its limit sticks.
+/// A point whose friction is below its limit by more than this fraction sticks.
 const SATURATED: f64 = 1e-6;
 
-/// What scenarios and reports need to know of this method.
+/// Descriptor for scenarios and reports.
 pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     name: "ncp",
     doc: "Time stepping on the true friction cone, by projected Gauss-Seidel.",
@@ -74,7 +78,7 @@ impl Default for NcpParameters {
     }
 }
 
-/// Solver of the method that the module describes.
+/// Solver of the method.
 pub struct Ncp {
     parameters: NcpParameters,
     points: Points,
@@ -87,27 +91,23 @@ impl Ncp {
         Ncp { parameters, points: Points::new(p), sweeps: Sweeps::new(p) }
     }
 
-    fn answer(&mut self, p: &Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
+    fn solve(&mut self, p: &Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
         let tol = &input.rules.tolerances;
         self.points.gather(p, tol.velocity);
         self.sweeps.start(p, &self.points, Some(out));
-        let miss = self.sweeps.run(&self.points, self.parameters.iterations, self.parameters.tolerance);
+        let error = self.sweeps.run(&self.points, self.parameters.iterations, self.parameters.tolerance);
         let impulses = self.sweeps.impulses();
-        self.points.deliver(p, impulses, out);
+        self.points.write_solution(p, impulses, out);
         let states = self.points.states(p, out, |c| {
             let (mu, impulse) = (self.points.list()[c].mu, &impulses[c]);
             let saturated = impulse.xy().norm() >= (1.0 - SATURATED) * mu * impulse.z;
             saturated && self.points.velocity(c, &out.motion).xy().norm() > tol.rest
         });
-        // It claims no validity, so it is never inconsistent: its errors show in the residuals.
-        let levels = if miss > self.parameters.tolerance { [0.0, miss / tol.velocity, 0.0] } else { [0.0; 3] };
-        Selection { states, tested: 1, consistent: true, verdict: plain(levels) }
+        // The method claims no validity, so it is never inconsistent: its errors show in the
+        // residuals.
+        let levels = if error > self.parameters.tolerance { [0.0, error / tol.velocity, 0.0] } else { [0.0; 3] };
+        Selection { states, tested: 1, consistent: true, assessment: Assessment { levels, ..Assessment::default() } }
     }
-}
-
-/// A verdict without a search.
-pub(super) fn plain(levels: [f64; 3]) -> Verdict {
-    Verdict { levels, rank: [0; 5], action: 0.0, faults: [Faults::default(); MAX_SOLES] }
 }
 
 impl ContactSolver for Ncp {
@@ -116,11 +116,11 @@ impl ContactSolver for Ncp {
     }
 
     fn select(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
-        self.answer(p, input, out)
+        self.solve(p, input, out)
     }
 
     fn impulse(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
-        self.answer(p, input, out)
+        self.solve(p, input, out)
     }
 
     fn respond(&mut self, _: &Problem, _: &States, _: &mut Solution) {}
@@ -148,7 +148,7 @@ impl Sweeps {
         }
     }
 
-    /// Starts from the vertex forces of `last` over the problem's step, or from nothing.
+    /// Starts from the vertex forces of `last` over the problem's step, or from zero.
     pub fn start(&mut self, p: &Problem, points: &Points, last: Option<&Solution>) {
         self.count = points.list().len();
         self.motion.copy_from_slice(&p.b);
@@ -162,11 +162,12 @@ impl Sweeps {
                 let tangent = tangent.cap_magnitude(point.mu * normal);
                 Vector3::new(tangent.x, tangent.y, normal)
             });
-            points.push(c, &self.impulses[c], &mut self.motion);
+            points.add_response(c, &self.impulses[c], &mut self.motion);
         }
     }
 
-    /// Sweeps until the error is within `tolerance` (m/s), at most `iterations` times; returns the error of the last.
+    /// Sweeps until the error is within `tolerance` (m/s), at most `iterations` times. Returns the
+    /// error of the last sweep.
     pub fn run(&mut self, points: &Points, iterations: u32, tolerance: f64) -> f64 {
         let mut error = 0.0;
         for _ in 0..iterations {
@@ -178,7 +179,7 @@ impl Sweeps {
         error
     }
 
-    /// The impulses reached, by point.
+    /// The present impulses, by point.
     pub fn impulses(&self) -> &[Vector3<f64>] {
         &self.impulses[..self.count]
     }
@@ -193,14 +194,14 @@ impl Sweeps {
             let p = self.impulses[c];
             let mut next = p;
             next.z = (p.z - (points.velocity(c, &self.motion).z - point.target) / normal).max(0.0);
-            points.push(c, &Vector3::new(0.0, 0.0, next.z - p.z), &mut self.motion);
+            points.add_response(c, &Vector3::new(0.0, 0.0, next.z - p.z), &mut self.motion);
             if tangential > 0.0 {
                 let free = p.xy() - points.velocity(c, &self.motion).xy() / tangential;
                 let t = free.cap_magnitude(point.mu * next.z);
                 (next.x, next.y) = (t.x, t.y);
             }
             let change = next - p;
-            points.push(c, &Vector3::new(change.x, change.y, 0.0), &mut self.motion);
+            points.add_response(c, &Vector3::new(change.x, change.y, 0.0), &mut self.motion);
             error = error.max(change.z.abs() * normal).max(change.xy().norm() * tangential);
             self.impulses[c] = next;
         }

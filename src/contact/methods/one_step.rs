@@ -1,5 +1,5 @@
-//! The one-step method: no trial states (`docs/contact.md` section 10; [Hale 2008], III.B). [`super::decision`] decides from
-//! present quantities; one solve follows.
+//! The one-step method, without trial states (`docs/contact.md` section 10; [Hale 2008], III.B).
+//! [`super::decision`] decides from present quantities; one solve follows.
 
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput};
 use crate::contact::methods::decision;
@@ -7,11 +7,11 @@ use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{SoleState, States};
-use crate::contact::search::candidate::{Kernel, share_static};
+use crate::contact::search::candidate::{CandidateSolver, share_static};
 use crate::contact::search::judge::judge;
 use crate::contact::search::select::Selection;
 
-/// What scenarios and reports need to know of this method.
+/// Descriptor for scenarios and reports.
 pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     name: "one-step",
     doc: "One decision per vertex from the present quantities, without trials.",
@@ -24,19 +24,17 @@ pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     solver: |_, p| Box::new(OneStep::new(p)),
 };
 
-/// Solver of the method that the module describes.
+/// Solver of the method.
 pub struct OneStep {
-    kernel: Kernel,
+    solver: CandidateSolver,
 }
 
 impl OneStep {
     /// For problems of this size.
     pub fn new(p: &Problem) -> Self {
-        OneStep { kernel: Kernel::new(p) }
+        OneStep { solver: CandidateSolver::new(p) }
     }
-}
 
-impl OneStep {
     fn decide(p: &mut Problem, input: &SelectionInput, last: &Solution) -> States {
         let rules = input.rules;
         let mut states = States::default();
@@ -48,19 +46,20 @@ impl OneStep {
                 let k = p.soles[s].vertices.len();
                 states[s] = SoleState::all(k).find(|&x| (input.allowed)(s, x)).unwrap_or(states[s]);
                 // The decided sliding directions belong to another state.
-                decision::oppose(&mut p.soles[s], rules.tolerances.rest);
+                decision::set_directions(&mut p.soles[s], rules.tolerances.rest);
             }
         }
         states
     }
 
-    fn answer(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
+    fn decide_and_solve(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
         let states = Self::decide(p, input, out);
-        self.kernel.solve(p, &states, out);
+        self.solver.solve(p, &states, out);
         share_static(p, &states, out);
-        let verdict = judge(p, &states, out, true, input.rules);
-        // It does not claim validity, so it is never inconsistent: its errors show in the residuals.
-        Selection { states, tested: 1, consistent: true, verdict }
+        let assessment = judge(p, &states, out, true, input.rules);
+        // The method claims no validity, so it is never inconsistent: its errors show in the
+        // residuals.
+        Selection { states, tested: 1, consistent: true, assessment }
     }
 }
 
@@ -71,14 +70,14 @@ impl ContactSolver for OneStep {
 
     fn select(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
         debug_assert_eq!(p.level, Level::Acceleration);
-        self.answer(p, input, out)
+        self.decide_and_solve(p, input, out)
     }
 
     fn impulse(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
-        self.answer(p, input, out)
+        self.decide_and_solve(p, input, out)
     }
 
     fn respond(&mut self, p: &Problem, states: &States, out: &mut Solution) {
-        self.kernel.solve(p, states, out);
+        self.solver.solve(p, states, out);
     }
 }

@@ -1,31 +1,31 @@
-//! The contact problem point by point, for the methods that step in time.
+//! The contact problem by points, for the time-stepping methods.
 //!
-//! Every vertex that may meet the floor is a point of its own, with an impulse p_c and a velocity v_c (normal and two
-//! tangential components, floor axes). With J_c the motion of the point when its sole moves,
+//! Every vertex that may meet the floor is a point of its own, with an impulse p_c and a velocity
+//! v_c (normal and two tangential components, floor axes). With J_c the motion of the point when
+//! its sole moves,
 //!
 //! ```text
 //! v_c = J_c m + c_c      m = b + sum_d (W J_d^T) p_d      block (c, d): J_c W J_d^T
 //! ```
 //!
-//! W J^T is kept, not the blocks: W has rank 6 a sole, while a sole of four vertices has twelve impulses, so their
-//! matrix is singular and larger.
+//! W J^T is stored, not the blocks: W has rank 6 per sole, while a sole of four vertices has twelve
+//! impulses, so their matrix would be larger and singular.
 
 use crate::contact::methods::exact::covering;
 use crate::contact::model::problem::Problem;
-use crate::contact::model::solution::Solution;
-use crate::contact::model::solution::wrench_at;
+use crate::contact::model::solution::{Solution, wrench_at};
 use crate::contact::model::state::{Mode, SoleState, States};
 use nalgebra::{Matrix3, Vector3};
 
-/// Part of the greatest normal impulse below which a point carries nothing.
-const NOTHING: f64 = 1e-9;
+/// Fraction of the greatest normal impulse below which a point counts as unloaded.
+const UNLOADED: f64 = 1e-9;
 
 /// One vertex that may meet the floor.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// Its sole.
+    /// Index of the sole.
     pub sole: usize,
-    /// Its number there.
+    /// Index of the vertex.
     pub vertex: usize,
     /// Position from the sole's reference point, m.
     pub r: Vector3<f64>,
@@ -33,7 +33,7 @@ pub struct Point {
     pub bias: Vector3<f64>,
     /// Least normal velocity at the end, m/s.
     pub target: f64,
-    /// Kinetic friction coefficient: impulses over a step know but one.
+    /// Kinetic friction coefficient; impulses over a step use one coefficient only.
     pub mu: f64,
 }
 
@@ -47,13 +47,14 @@ pub struct Points {
 }
 
 impl Points {
-    /// Room for all vertices of problems of this size.
+    /// Reserves memory for all vertices of problems of this size.
     pub fn new(p: &Problem) -> Self {
         let most = p.soles.iter().map(|s| s.vertices.len()).sum();
         Points { list: Vec::with_capacity(most), columns: vec![0.0; 3 * most * p.dim()], dim: p.dim() }
     }
 
-    /// Collects the vertices that may meet the floor. A vertex below it is raised at `push_out` (m/s) at most.
+    /// Collects the vertices that may meet the floor. A vertex below the floor is raised with at
+    /// most `push_out`, m/s.
     pub fn gather(&mut self, p: &Problem, push_out: f64) {
         self.list.clear();
         for (s, sole) in p.soles.iter().enumerate() {
@@ -94,15 +95,15 @@ impl Points {
         Vector3::new(m[0] + m[4] * r.z - m[5] * r.y, m[1] + m[5] * r.x - m[3] * r.z, m[2] + m[3] * r.y - m[4] * r.x)
     }
 
-    /// Adds what an impulse at point `c` does to the motions.
-    pub fn push(&self, c: usize, impulse: &Vector3<f64>, motion: &mut [f64]) {
+    /// Adds the response of the motions to an impulse at point `c`.
+    pub fn add_response(&self, c: usize, impulse: &Vector3<f64>, motion: &mut [f64]) {
         for (axis, x) in impulse.iter().enumerate() {
             let column = &self.columns[(3 * c + axis) * self.dim..][..self.dim];
             motion.iter_mut().zip(column).for_each(|(m, y)| *m += y * x);
         }
     }
 
-    /// How the velocity of point `c` answers the impulse at point `d`.
+    /// Response of the velocity of point `c` to an impulse at point `d`.
     pub fn block(&self, c: usize, d: usize) -> Matrix3<f64> {
         let column = |axis: usize| {
             let at = (3 * d + axis) * self.dim;
@@ -111,8 +112,8 @@ impl Points {
         Matrix3::from_columns(&[column(0), column(1), column(2)])
     }
 
-    /// Writes impulses into a solution: wrenches, motions, and the forces of the vertices as they are.
-    pub fn deliver(&self, p: &Problem, impulses: &[Vector3<f64>], out: &mut Solution) {
+    /// Writes impulses into a solution: wrenches, motions and vertex forces.
+    pub fn write_solution(&self, p: &Problem, impulses: &[Vector3<f64>], out: &mut Solution) {
         out.wrench.fill(0.0);
         out.motion.copy_from_slice(&p.b);
         out.normal.iter_mut().for_each(|n| n.fill(0.0));
@@ -122,19 +123,19 @@ impl Points {
             let six = wrench_at(&point.r, impulse);
             let sole = &mut out.wrench[6 * point.sole..6 * point.sole + 6];
             sole.iter_mut().zip(six).for_each(|(w, x)| *w += x);
-            self.push(c, impulse, &mut out.motion);
+            self.add_response(c, impulse, &mut out.motion);
             out.normal[point.sole][point.vertex] = impulse.z;
             out.tangent[point.sole][point.vertex] = impulse.xy();
         }
     }
 
-    /// The states that impulses amount to: the smallest pattern that clamps every loaded vertex; it sticks if no loaded
-    /// vertex `slips`, and pivots if all but one do.
+    /// The states that correspond to the impulses: the smallest pattern that clamps every loaded
+    /// vertex. It sticks if no loaded vertex `slips`, and pivots if all but one slip.
     pub fn states(&self, p: &Problem, out: &Solution, slips: impl Fn(usize) -> bool) -> States {
         let greatest = out.normal.iter().flatten().copied().fold(0.0, f64::max);
         let mut states = States::default();
         for (s, sole) in p.soles.iter().enumerate() {
-            let loaded = |i: usize| out.normal[s][i] > NOTHING * greatest;
+            let loaded = |i: usize| out.normal[s][i] > UNLOADED * greatest;
             let pattern = covering(sole.vertices.len(), loaded);
             let (mut holding, mut held, mut slipping) = (None, 0, 0);
             for (c, point) in self.list.iter().enumerate().filter(|(_, x)| x.sole == s && loaded(x.vertex)) {

@@ -1,5 +1,5 @@
-//! The contact methods of this crate. A new one is a file with its [`MethodDescriptor`] and a line in [`METHODS`]; scenarios,
-//! schemas, rules of combination and reports read everything else from the descriptor.
+//! The contact methods of this crate. A new method needs a file with its [`MethodDescriptor`] and a
+//! line in [`METHODS`]. Scenarios, schemas, combination rules and reports read the descriptor.
 
 use super::contact_method::{ContactMethod, ContactSolver};
 use super::lcp::LcpParameters;
@@ -13,31 +13,31 @@ use serde::{Deserialize, Serialize};
 pub const METHODS: [&MethodDescriptor; 5] =
     [&exact::DESCRIPTOR, &one_step::DESCRIPTOR, &penalty::DESCRIPTOR, &lcp::DESCRIPTOR, &ncp::DESCRIPTOR];
 
-/// What scenarios and reports need to know of a method.
+/// Properties of a method for scenarios and reports.
 #[derive(Debug)]
 pub struct MethodDescriptor {
     /// Name in scenarios, logs and tables.
     pub name: &'static str,
     /// One sentence for schemas and pages.
     pub doc: &'static str,
-    /// Why it only runs with the integrator `semi-implicit`; none if it runs with all.
+    /// Why it only runs with the integrator `semi-implicit`; none if it runs with all integrators.
     pub only_semi_implicit: Option<&'static str>,
-    /// Do bodies bounce with it, where events are located?
+    /// Does it apply restitution where events are located?
     pub restitution: bool,
-    /// Why states cannot be imposed on its soles; none if they can.
+    /// Why states cannot be imposed on soles; none if they can.
     pub unforced: Option<&'static str>,
-    /// Colour of its curves in reports, as SVG writes it.
+    /// SVG colour of its curves in reports.
     pub colour: &'static str,
-    /// Have its parameters, where it has any, other values than their defaults?
+    /// Do its parameters differ from their defaults?
     pub is_configured: fn(&MethodParameters) -> bool,
-    /// Unknowns of its densest problem for so many vertices; none if memory does not limit it.
+    /// Unknowns of its dense problem for a number of vertices; none if memory does not limit it.
     pub unknowns: Option<fn(&MethodParameters, usize) -> usize>,
     /// Its solver for problems of the size of `p`.
     pub solver: fn(&MethodParameters, &Problem) -> Box<dyn ContactSolver>,
 }
 
 impl MethodDescriptor {
-    /// The method of a name.
+    /// The method named `name`.
     pub fn named(name: &str) -> Option<&'static Self> {
         METHODS.into_iter().find(|method| method.name == name)
     }
@@ -48,7 +48,7 @@ impl MethodDescriptor {
     }
 }
 
-/// Parameters of all methods; each reads its own part.
+/// Parameters of all methods; each method reads its own.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MethodParameters {
@@ -56,7 +56,7 @@ pub struct MethodParameters {
     pub penalty: PenaltyParameters,
     /// Friction directions of `lcp`.
     pub lcp: LcpParameters,
-    /// Iterations of `ncp`.
+    /// Sweeps of `ncp`.
     pub ncp: NcpParameters,
 }
 
@@ -89,7 +89,7 @@ mod tests {
     fn names_and_colours_are_distinct() {
         for (i, method) in METHODS.iter().enumerate() {
             assert!(METHODS[..i].iter().all(|other| other.name != method.name && other.colour != method.colour));
-            assert!(std::ptr::eq(MethodDescriptor::named(method.name).unwrap(), *method));
+            assert_eq!(MethodDescriptor::named(method.name).unwrap().colour, method.colour);
             assert!(!(method.is_configured)(&MethodParameters::default()), "{}", method.name);
         }
         assert!(MethodDescriptor::named("exactly").is_none());

@@ -48,11 +48,11 @@ pub fn face(points: &[(f64, Vector2<f64>)], force: &Vector2<f64>, yaw: f64, radi
     }
     for turn in [1.0, -1.0] {
         // Vertex i moves with v + turn z x r_i / radius = v - p_i.
-        let place = |r: &Vector2<f64>| Vector2::new(r.y, -r.x) * (turn / radius);
+        let data_point = |r: &Vector2<f64>| Vector2::new(r.y, -r.x) * (turn / radius);
         let cost = |v: &Vector2<f64>| -> f64 {
-            points.iter().map(|(c, r)| c * (v - place(r)).norm()).sum::<f64>() - force.dot(v) - yaw * turn / radius
+            points.iter().map(|(c, r)| c * (v - data_point(r)).norm()).sum::<f64>() - force.dot(v) - yaw * turn / radius
         };
-        let v = fermat_weber(points, &place, force, &cost);
+        let v = fermat_weber(points, &data_point, force, &cost);
         let margin = cost(&v);
         if margin < best.0 {
             best = (margin, Slip::new(v.x, v.y, turn));
@@ -90,24 +90,24 @@ pub fn carries(
 /// Minimises `sum c_i |v - p_i| - F . v` over the plane, given `|F| < sum c_i`.
 fn fermat_weber(
     points: &[(f64, Vector2<f64>)],
-    place: &impl Fn(&Vector2<f64>) -> Vector2<f64>,
+    data_point: &impl Fn(&Vector2<f64>) -> Vector2<f64>,
     force: &Vector2<f64>,
     cost: &impl Fn(&Vector2<f64>) -> f64,
 ) -> Vector2<f64> {
     // Usually the minimum is smooth and near the weighted mean.
     let total: f64 = points.iter().map(|p| p.0).sum();
-    let middle = points.iter().fold(Vector2::zeros(), |sum, (c, r)| sum + place(r) * (c / total));
-    if let (v, true) = newton(points, place, force, cost, middle, 8) {
+    let middle = points.iter().fold(Vector2::zeros(), |sum, (c, r)| sum + data_point(r) * (c / total));
+    if let (v, true) = newton(points, data_point, force, cost, middle, 8) {
         return v;
     }
     // A data point is the minimiser if and only if the pull of all others is within its own weight.
     let mut start = Vector2::zeros();
     let mut lowest = f64::INFINITY;
     for (j, (cj, rj)) in points.iter().enumerate() {
-        let pj = place(rj);
+        let pj = data_point(rj);
         let mut pull = -*force;
         for (i, (ci, ri)) in points.iter().enumerate() {
-            let d = pj - place(ri);
+            let d = pj - data_point(ri);
             let distance = d.norm();
             if i != j && distance > 0.0 {
                 pull += d * (ci / distance);
@@ -123,29 +123,29 @@ fn fermat_weber(
             start = pj - pull * (1e-3 / pull.norm());
         }
     }
-    newton(points, place, force, cost, start, 60).0
+    newton(points, data_point, force, cost, start, 60).0
 }
 
 /// Damped Newton steps from `v`. Returns the last point and whether it is the minimum.
 fn newton(
     points: &[(f64, Vector2<f64>)],
-    place: &impl Fn(&Vector2<f64>) -> Vector2<f64>,
+    data_point: &impl Fn(&Vector2<f64>) -> Vector2<f64>,
     force: &Vector2<f64>,
     cost: &impl Fn(&Vector2<f64>) -> f64,
     mut v: Vector2<f64>,
     rounds: usize,
 ) -> (Vector2<f64>, bool) {
-    /// Decrease of the cost, relative to the capacity, below which rounding hides it and full steps
-    /// are taken.
+    /// Decrease of the cost, relative to the capacity, that rounding hides: full steps are taken
+    /// below it.
     const ROUNDED: f64 = 1e-11;
-    /// Predicted decrease of the last step. Convergence is quadratic, so the remaining error is its
-    /// square.
+    /// Predicted relative decrease of the last step. Convergence is quadratic, so the remaining
+    /// error is its square.
     const LAST: f64 = 1e-18;
     let total: f64 = points.iter().map(|p| p.0).sum();
     for _ in 0..rounds {
         let (mut gradient, mut hessian) = (-*force, Matrix2::zeros());
         for (c, r) in points {
-            let d = v - place(r);
+            let d = v - data_point(r);
             let distance = d.norm();
             if distance > 0.0 {
                 let u = d / distance;
@@ -235,7 +235,7 @@ mod tests {
             for i in 0..4000 {
                 let v = Vector2::new((i as f64 * 0.37).sin(), (i as f64 * 0.53).cos()) * (1.0 + (i % 7) as f64);
                 for w in [1.0, -1.0] {
-                    assert!(value(v, w) >= margin - 1e-9, "a better slip twist exists");
+                    assert!(value(v, w) >= margin - 1e-9, "a slip twist with a smaller margin exists");
                 }
             }
         }

@@ -1,11 +1,11 @@
-//! The contact problem, and what its solutions must satisfy.
+//! The contact problem and the conditions on its solutions.
 //!
 //! [`problem`] has the equation, [`state`] the contact states of a sole, [`solution`] the unknowns.
 //! The optimality conditions are those of [`friction_capacity`] (friction cone of a vertex, edge or
 //! face), [`sole_group`] (several soles on one body) and [`pressure`] (least-norm load sharing).
-//! [`residual`] evaluates the contact laws for any solution, whichever method gave it.
+//! [`residual`] evaluates the contact laws for the solution of any method.
 //!
-//! Imports no other room. `search`, `methods` and `sim` build on it.
+//! Imports no other module of contact. `search`, `methods` and `sim` build on it.
 
 pub mod friction_capacity;
 pub mod pressure;

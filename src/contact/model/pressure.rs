@@ -14,7 +14,7 @@
 use crate::contact::model::problem::SoleProblem;
 use nalgebra::{Matrix3, Vector3};
 
-/// Row A_i of the pressure rule, see the module.
+/// Row A_i of the pressure rule.
 pub fn basis(sole: &SoleProblem, i: usize) -> Vector3<f64> {
     let r = &sole.vertices[i].r;
     Vector3::new(1.0, r.x / sole.radius, r.y / sole.radius)
@@ -33,26 +33,26 @@ pub fn share(sole: &SoleProblem, force: f64, moment: [f64; 2], normal: &mut [f64
     };
     let linear = y;
     let k = sole.vertices.len();
-    let mut settled = (0..k).all(|i| basis(sole, i).dot(&y) >= 0.0);
+    let mut converged = (0..k).all(|i| basis(sole, i).dot(&y) >= 0.0);
     for _ in 0..50 {
-        if settled {
+        if converged {
             break;
         }
         let Some(target) = newton_point(sole, &q, Some(&y)) else { break };
-        let here = dual(sole, &q, &y);
+        let value = dual(sole, &q, &y);
         let mut t = 1.0;
-        while t > 1e-6 && dual(sole, &q, &(y + (target - y) * t)) > here {
+        while t > 1e-6 && dual(sole, &q, &(y + (target - y) * t)) > value {
             t *= 0.5;
         }
         let next = y + (target - y) * t;
-        settled = t == 1.0 && (0..k).all(|i| active(sole, i, &next) == active(sole, i, &y));
+        converged = t == 1.0 && (0..k).all(|i| active(sole, i, &next) == active(sole, i, &y));
         y = next;
     }
     (0..k).for_each(|i| normal[i] = basis(sole, i).dot(&y).max(0.0));
     // With the centre of pressure outside, the damped steps converge to a pressure that does not
     // carry the load.
     let carried: Vector3<f64> = (0..k).map(|i| basis(sole, i) * normal[i]).sum();
-    let inside = settled && (carried - q).norm() <= 1e-9 * q.norm();
+    let inside = converged && (carried - q).norm() <= 1e-9 * q.norm();
     if !inside {
         (0..k).for_each(|i| normal[i] = basis(sole, i).dot(&linear));
     }

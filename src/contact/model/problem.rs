@@ -33,8 +33,7 @@ pub struct Tolerances {
     pub velocity: f64,
     /// Acceleration tolerance a_t, m/s^2.
     pub acceleration: f64,
-    /// Speed below which a sliding vertex counts as at rest, m/s: what the integrator cannot
-    /// resolve.
+    /// Speed below which a sliding vertex counts as at rest, m/s: the resolution of the integrator.
     pub rest: f64,
 }
 
@@ -53,14 +52,14 @@ const SINKING: f64 = 1e-3;
 
 impl Tolerances {
     /// Tolerances of methods with located events. Every vertex meets the floor in its own event, so
-    /// none is clamped above it. The downward acceleration covers rounding alone.
+    /// none is clamped above the floor. The downward acceleration covers rounding only.
     pub fn with_located_events(self) -> Self {
         Tolerances { distance: self.distance.min(TOUCHING), acceleration: self.acceleration.min(SINKING), ..self }
     }
 }
 
 /// One vertex of a sole.
-#[derive(Clone, Copy, PartialEq, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Vertex {
     /// Position relative to the sole's reference point, floor axes, m.
     pub r: Vector3<f64>,
@@ -70,9 +69,9 @@ pub struct Vertex {
     pub height: f64,
     /// Velocity, floor axes, m/s.
     pub velocity: Vector3<f64>,
-    /// Static friction coefficient under it.
+    /// Static friction coefficient of the floor under it.
     pub mu_s: f64,
-    /// Kinetic friction coefficient under it.
+    /// Kinetic friction coefficient of the floor under it.
     pub mu_k: f64,
     /// Unit direction in which it slides or begins to slide; zero when it has none.
     pub direction: Vector2<f64>,
@@ -105,22 +104,6 @@ impl Vertex {
     }
 }
 
-impl Default for Vertex {
-    fn default() -> Self {
-        Vertex {
-            r: Vector3::zeros(),
-            bias: Vector3::zeros(),
-            height: 0.0,
-            velocity: Vector3::zeros(),
-            mu_s: 0.0,
-            mu_k: 0.0,
-            direction: Vector2::zeros(),
-            moving: false,
-            near: false,
-        }
-    }
-}
-
 /// One sole.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SoleProblem {
@@ -146,7 +129,7 @@ impl SoleProblem {
     }
 }
 
-/// A reduced contact problem; the module page has the equations.
+/// A reduced contact problem, see the module for its equations.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Problem {
     /// Accelerations or velocities.
@@ -190,6 +173,18 @@ impl Problem {
     /// Number of unknowns of the wrench vector, 6F.
     pub fn dim(&self) -> usize {
         self.b.len()
+    }
+
+    /// Sole and index of every vertex.
+    pub fn vertex_indices(&self) -> impl Iterator<Item = (usize, usize)> {
+        self.soles.iter().enumerate().flat_map(|(s, sole)| (0..sole.vertices.len()).map(move |i| (s, i)))
+    }
+
+    /// Sets the sliding directions of all vertices, by sole and vertex.
+    pub fn set_directions(&mut self, directions: &[Vec<Vector2<f64>>]) {
+        for (sole, directions) in self.soles.iter_mut().zip(directions) {
+            sole.vertices.iter_mut().zip(directions).for_each(|(v, d)| v.direction = *d);
+        }
     }
 
     /// Motion of a vertex when the sole frames move with `motion` (6F).

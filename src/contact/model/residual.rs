@@ -1,7 +1,7 @@
 //! Residuals of the contact laws (Signorini, Coulomb, complementarity), computed independently of
 //! every solver.
 //!
-//! Inputs are forces, motions and positions alone (`docs/contact.md`, section 12).
+//! Inputs are forces, motions and positions only (`docs/contact.md`, section 12).
 //!
 //! | residual | expression, zero for an exact solution |
 //! |---|---|
@@ -12,9 +12,9 @@
 //! | resultant gap | sum of the vertex forces minus the sole's wrench |
 //!
 //! with N and t the normal and tangential force, v the sliding velocity, gap the height of a
-//! vertex. The split of the tangential load of a static edge or face is a rule, so the resultant is
-//! tested against the exact capacity of [`crate::contact::model::friction_capacity`]. The solver's
-//! own verdict is not used.
+//! vertex. The tangential load of a static edge or face is split by a convention, so the resultant
+//! is tested against the exact capacity of [`crate::contact::model::friction_capacity`]. The
+//! solver's assessment is not used.
 
 use crate::contact::model::friction_capacity;
 use crate::contact::model::problem::{Problem, SoleProblem, Vertex};
@@ -77,7 +77,7 @@ pub fn evaluate(p: &Problem, states: &States, solution: &Solution) -> Residual {
         if sole_group::is_shared(p, states, s)
             && let Some(group) = sole_group::group_margin(p, states, s, solution)
         {
-            // Soles of one body hold together or not at all.
+            // The static soles of one body can only slip together.
             r.cone_excess = r.cone_excess.max(-group.margin);
         } else if states[s].is_static() {
             r.cone_excess = r.cone_excess.max(-static_margin(sole, states[s].pattern, normal, tangent, wrench));
@@ -87,11 +87,11 @@ pub fn evaluate(p: &Problem, states: &States, solution: &Solution) -> Residual {
     r
 }
 
-/// What a vertex is said to do.
+/// State of a vertex in the solution.
 #[derive(Clone, Copy, PartialEq)]
 enum Role {
-    /// Clamped by nothing.
-    Alone,
+    /// Not clamped.
+    Unclamped,
     /// Part of a static pattern.
     Sticks,
     /// Sticks while the rest of its sole turns about it.
@@ -102,7 +102,7 @@ enum Role {
 
 fn role(state: SoleState, i: usize, k: usize) -> Role {
     match state.mode {
-        _ if !state.clamps(i, k) => Role::Alone,
+        _ if !state.clamps(i, k) => Role::Unclamped,
         Mode::Static => Role::Sticks,
         Mode::Pivoting(j) if i == j as usize => Role::Pivots,
         _ => Role::Slides,
@@ -117,7 +117,7 @@ impl Residual {
         self.signorini = self.signorini.max((n * v.height).abs());
         let slip = v.velocity.xy();
         match role {
-            Role::Alone => self.cone_excess = self.cone_excess.max(t.norm() - v.mu_s * n.max(0.0)),
+            Role::Unclamped => self.cone_excess = self.cone_excess.max(t.norm() - v.mu_s * n.max(0.0)),
             Role::Sticks => self.creep_speed = self.creep_speed.max(slip.norm()),
             Role::Pivots => {
                 self.cone_excess = self.cone_excess.max(t.norm() - v.mu_s * n.max(0.0));
@@ -131,8 +131,8 @@ impl Residual {
     }
 }
 
-/// Distance of the load of a static pattern from the limit that its normal forces allow, N; a load
-/// inside may give zero.
+/// Distance of the load of a static pattern from its friction limit, N; zero if the vertex forces
+/// show that the load is within it.
 fn static_margin(
     sole: &SoleProblem,
     pattern: Pattern,
@@ -141,27 +141,27 @@ fn static_margin(
     wrench: &[f64],
 ) -> f64 {
     let k = sole.vertices.len();
-    let carries = |i: usize| sole.vertices[i].mu_s * normal[i].max(0.0);
+    let capacity = |i: usize| sole.vertices[i].mu_s * normal[i].max(0.0);
     match pattern {
         Pattern::Free => 0.0,
-        Pattern::Vertex(i) => friction_capacity::vertex(carries(i as usize), &tangent[i as usize]),
+        Pattern::Vertex(i) => friction_capacity::vertex(capacity(i as usize), &tangent[i as usize]),
         Pattern::Edge(i) => {
             let (i, j) = (i as usize, (i as usize + 1) % k);
             let along = (sole.vertices[j].r - sole.vertices[i].r).xy().normalize();
             let across = Vector2::new(-along.y, along.x);
             let side = [tangent[i].dot(&across), tangent[j].dot(&across)];
-            friction_capacity::edge([carries(i), carries(j)], side, (tangent[i] + tangent[j]).dot(&along))
+            friction_capacity::edge([capacity(i), capacity(j)], side, (tangent[i] + tangent[j]).dot(&along))
         }
         Pattern::Face => {
             let mut points = [(0.0, Vector2::zeros()); 64];
-            (0..k).for_each(|i| points[i] = (carries(i), sole.vertices[i].r.xy()));
-            // The wrench is tested itself: its split over the vertices need not exist without
-            // normal load.
+            (0..k).for_each(|i| points[i] = (capacity(i), sole.vertices[i].r.xy()));
+            // The wrench itself is tested: without normal load its split over the vertices need not
+            // exist.
             let (points, force) = (&points[..k], Vector2::new(wrench[0], wrench[1]));
-            match friction_capacity::carries(points, tangent, &force, wrench[5], sole.radius) {
-                true => 0.0,
-                false => friction_capacity::face(points, &force, wrench[5], sole.radius).0,
+            if friction_capacity::carries(points, tangent, &force, wrench[5], sole.radius) {
+                return 0.0;
             }
+            friction_capacity::face(points, &force, wrench[5], sole.radius).0
         }
     }
 }

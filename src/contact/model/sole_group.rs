@@ -1,9 +1,9 @@
 //! Joint friction capacity of several static soles on one body.
 //!
-//! How sticking soles of one rigid body share their load is statically indeterminate. Whether they
-//! hold is not: they can only slip together. With their clamped vertices as one set of points, the
-//! capacity of a face ([`crate::contact::model::friction_capacity::face`]) is that of the group.
-//! Some split carries a tangential force F and yaw moment tau if and only if for every planar slip
+//! The split of a load over sticking soles of one rigid body is statically indeterminate. Whether
+//! they hold is not: they can only slip together. The capacity of the group is that of a face
+//! ([`crate::contact::model::friction_capacity::face`]) whose points are all clamped vertices. Some
+//! split carries a tangential force F and yaw moment tau if and only if for every planar slip
 //! twist (v, w) of the body `F . v + tau w <= sum mu_s N_i |v + w z x r_i|`.
 //!
 //! The normal forces are those of the least-norm solution (see [`crate::linalg::linear`]).
@@ -48,7 +48,7 @@ pub fn is_shared(p: &Problem, states: &States, s: usize) -> bool {
     states[s].is_static() && members(p, states, s).nth(1).is_some()
 }
 
-/// Margin of the group of sole `s`; `None` for more points than 128. Needs the normal
+/// Margin of the group of sole `s`; `None` for more than `MAX_POINTS` vertices. Needs the normal
 /// forces of the vertices.
 pub fn group_margin(p: &Problem, states: &States, s: usize, solution: &Solution) -> Option<GroupMargin> {
     let mut points = [(0.0, Vector2::zeros()); MAX_POINTS];
@@ -69,7 +69,7 @@ pub fn group_margin(p: &Problem, states: &States, s: usize, solution: &Solution)
             count += 1;
         }
     }
-    // Moments about the mean of the points: no cancellation far from the floor's origin.
+    // Moments about the mean of the points avoid cancellation far from the floor's origin.
     middle /= count as f64;
     yaw -= middle.perp(&force);
     let points = &mut points[..count];

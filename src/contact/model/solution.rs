@@ -13,8 +13,9 @@ pub struct Solution {
     pub motion: Vec<f64>,
     /// Normal force of each vertex, by sole (N or N s).
     pub normal: Vec<Vec<f64>>,
-    /// Tangential force of each vertex, by sole, x and y in floor axes. Within a static pattern the
-    /// split is a rule (proportional to the normal forces), only the resultant is physics.
+    /// Tangential force of each vertex, by sole, x and y in floor axes. Within a static pattern
+    /// only the resultant is physical; the split, proportional to the normal forces, is a
+    /// convention.
     pub tangent: Vec<Vec<Vector2<f64>>>,
     /// Did the pressure rule of every face find a centre of pressure inside its polygon?
     pub inside: [bool; MAX_SOLES],
@@ -63,7 +64,7 @@ impl Solution {
         }
     }
 
-    /// Scales wrenches and forces, to read impulses over a step as forces.
+    /// Scales wrenches and forces, to convert impulses over a step to forces.
     pub fn scale(&mut self, factor: f64) {
         self.wrench.iter_mut().for_each(|w| *w *= factor);
         self.normal.iter_mut().flatten().for_each(|n| *n *= factor);

@@ -8,7 +8,7 @@
 
 use std::fmt;
 
-/// Most soles a robot may have.
+/// Greatest number of soles of a robot.
 pub const MAX_SOLES: usize = 16;
 
 /// Which vertices are clamped to the floor.
@@ -28,7 +28,7 @@ pub enum Pattern {
 /// Sticking or sliding.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Default)]
 pub enum Mode {
-    /// The clamped vertices stay where they are.
+    /// The clamped vertices do not move.
     #[default]
     Static,
     /// Every clamped vertex slides.
@@ -47,7 +47,7 @@ pub struct SoleState {
 }
 
 impl SoleState {
-    /// The state of a sole that touches nothing.
+    /// The state of a sole without contact.
     pub const FREE: SoleState = SoleState { pattern: Pattern::Free, mode: Mode::Static };
 
     /// The static state of a pattern.
@@ -90,7 +90,8 @@ impl SoleState {
         }
     }
 
-    /// Constraint rows in all: static 3, 5, 6; sliding 1, 2, 3; pivoting two more than sliding.
+    /// Total number of constraint rows: static 3, 5, 6; sliding 1, 2, 3; pivoting two more than
+    /// sliding.
     pub fn rows(self) -> usize {
         let n = self.normal_rows();
         match (self.mode, self.pattern) {

@@ -15,9 +15,12 @@
 //! | sliding | normal forces, each with Coulomb friction `-mu_k N_i u_i` | no normal motion of the pattern |
 //! | pivoting | as sliding, and a free tangential force at the pivot | as sliding, and no tangential motion there |
 //!
-//! The sliding systems are not symmetric and are solved as they are. A sliding face follows the
-//! pressure rule of [`crate::contact::model::pressure`]: `N_i = max(0, A_i . y)`. Its unknowns are
-//! y; the set of loaded vertices is iterated.
+//! All soles are solved together. Friction makes the sliding systems unsymmetric, and they are
+//! solved so: without friction in the normal equations a sliding block would hop. Redundant rows
+//! (two feet of one body, straight legs) give the solution of least norm
+//! ([`crate::linalg::linear`]). A sliding face follows the pressure rule of
+//! [`crate::contact::model::pressure`]: `N_i = max(0, A_i . y)`. Its unknowns are y; the set of
+//! loaded vertices is iterated.
 
 use crate::contact::model::pressure;
 use crate::contact::model::problem::{Problem, SoleProblem};
@@ -31,7 +34,7 @@ type Six = [f64; 6];
 
 /// Scratch of the candidate solve, allocated once.
 #[derive(Clone, Debug)]
-pub struct Kernel {
+pub struct CandidateSolver {
     columns: Vec<(usize, Six)>,
     rows: Vec<(usize, Six, f64)>,
     /// W B, one column after the other, each 6F long.
@@ -51,11 +54,11 @@ fn dot(a: &[f64], b: &Six) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5]
 }
 
-/// Normal force of one newton at vertex `i` with the friction that goes with it.
+/// Wrench of a normal force of one newton at vertex `i` with its sliding friction.
 fn sliding_wrench(sole: &SoleProblem, i: usize, mode: Mode) -> Six {
     let v = &sole.vertices[i];
-    let rubs = mode != Mode::Pivoting(i as u8);
-    let t = if rubs { -v.direction * v.mu_k } else { Vector2::zeros() };
+    let slides = mode != Mode::Pivoting(i as u8);
+    let t = if slides { -v.direction * v.mu_k } else { Vector2::zeros() };
     wrench_at(&v.r, &Vector3::new(t.x, t.y, 1.0))
 }
 
@@ -66,11 +69,11 @@ fn across(sole: &SoleProblem, i: usize, j: usize) -> Vector3<f64> {
     Vector3::new(n.x, n.y, 0.0)
 }
 
-impl Kernel {
+impl CandidateSolver {
     /// Scratch for problems of this size.
     pub fn new(p: &Problem) -> Self {
         let n = p.dim();
-        Kernel {
+        CandidateSolver {
             columns: Vec::with_capacity(n),
             rows: Vec::with_capacity(n),
             wb: vec![0.0; n * n],
@@ -91,7 +94,7 @@ impl Kernel {
         out.inside = [true; MAX_SOLES];
         for round in 0.. {
             self.solve_linear(p, states, out);
-            if !self.reload(p, states, out, round >= 12) {
+            if !self.update_loaded(p, states, out, round >= 12) {
                 break;
             }
         }
@@ -110,25 +113,25 @@ impl Kernel {
     /// success the last solution is restored.
     fn try_arcs(&mut self, p: &Problem, states: &States, s: usize, out: &mut Solution) {
         let k = p.soles[s].vertices.len();
-        let kept = (self.loaded, out.inside);
+        let saved = (self.loaded, out.inside);
         for length in (3..k).rev() {
             for first in 0..k {
-                self.loaded = kept.0;
+                self.loaded = saved.0;
                 self.loaded[s] = (0..length).fold(0, |set, i| set | 1 << ((first + i) % k));
                 out.inside[s] = true;
                 self.solve_linear(p, states, out);
-                if !self.reload(p, states, out, true)
-                    && (0..p.soles.len()).all(|t| out.inside[t] >= kept.1[t])
+                if !self.update_loaded(p, states, out, true)
+                    && (0..p.soles.len()).all(|t| out.inside[t] >= saved.1[t])
                     && out.inside[s]
                 {
                     return;
                 }
             }
         }
-        self.loaded = kept.0;
-        out.inside = kept.1;
+        self.loaded = saved.0;
+        out.inside = saved.1;
         self.solve_linear(p, states, out);
-        self.reload(p, states, out, true);
+        self.update_loaded(p, states, out, true);
     }
 
     fn solve_linear(&mut self, p: &Problem, states: &States, out: &mut Solution) {
@@ -168,7 +171,7 @@ impl Kernel {
 
     /// Response of the motions to a small wrench `six` (e) on sole `s` under the conditions of the
     /// last solve: `motion` (6F) = W e + W B x' with R W (e + B x') = 0.
-    pub fn answer(&mut self, p: &Problem, s: usize, six: &[f64; 6], motion: &mut [f64]) {
+    pub fn response(&mut self, p: &Problem, s: usize, six: &[f64; 6], motion: &mut [f64]) {
         let (dim, n) = (p.dim(), self.size);
         for (i, m) in motion.iter_mut().enumerate() {
             *m = dot(&p.w[i * dim + 6 * s..], six);
@@ -251,10 +254,10 @@ impl Kernel {
         self.rows.push((s, wrench_at(&v.r, &Vector3::z()), sole.vertex_target(i) - v.bias.z));
     }
 
-    /// Reads the normal forces of sliding soles. Returns true if the loaded set of a face changed,
-    /// so that the candidate must be solved again.
-    fn reload(&mut self, p: &Problem, states: &States, out: &mut Solution, give_up: bool) -> bool {
-        let mut again = false;
+    /// Reads the forces of sliding soles and updates the loaded sets of their faces. Returns true
+    /// if a set changed, so that the candidate must be solved again; `give_up` keeps the sets.
+    fn update_loaded(&mut self, p: &Problem, states: &States, out: &mut Solution, give_up: bool) -> bool {
+        let mut changed = false;
         for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| states[*s].is_dynamic()) {
             let k = sole.vertices.len();
             let x = &self.x[self.first[s]..];
@@ -275,15 +278,15 @@ impl Kernel {
                         out.normal[s][i] = if self.loaded[s] >> i & 1 == 1 { n } else { 0.0 };
                     }
                     let all = u64::MAX >> (64 - k);
-                    let settled = positive == self.loaded[s] & all || out.normal[s].iter().all(|&n| n == 0.0);
-                    if !settled && out.inside[s] {
+                    let unchanged = positive == self.loaded[s] & all || out.normal[s].iter().all(|&n| n == 0.0);
+                    if !unchanged && out.inside[s] {
                         // With fewer than three loaded vertices the centre of pressure has left the
                         // polygon. The forces of the last set continue smoothly, one of them
                         // negative, so that the event can be located.
                         out.inside[s] = !give_up && positive.count_ones() >= 3;
                         if out.inside[s] {
                             self.loaded[s] = positive;
-                            again = true;
+                            changed = true;
                         }
                     }
                 }
@@ -298,7 +301,7 @@ impl Kernel {
                 out.tangent[s][j as usize] = Vector2::new(self.x[at], self.x[at + 1]);
             }
         }
-        again
+        changed
     }
 }
 

@@ -52,8 +52,8 @@ impl Default for Margin {
 }
 
 /// A judged candidate.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Verdict {
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Assessment {
     /// Violations by level: geometric, kinematic, friction.
     pub levels: [f64; 3],
     /// Tie-breakers among equals: unclamped vertices that neither carry nor leave, normal rows,
@@ -66,7 +66,7 @@ pub struct Verdict {
     pub faults: [Faults; MAX_SOLES],
 }
 
-impl Verdict {
+impl Assessment {
     /// Whether there is no violation.
     pub fn valid(&self) -> bool {
         self.levels == [0.0; 3]
@@ -74,18 +74,18 @@ impl Verdict {
 
     /// Orders candidates; the better one is less.
     ///
-    /// A touching vertex that stays on the floor is better clamped: on a body with more feet than
-    /// it needs, the fewest that carry it would depend on their order. Fewer clamped normals count
-    /// first, then sticking before sliding: rows alone would prefer slip onset (3 rows) to a face
-    /// that sticks within its capacity (6 rows).
-    pub fn compare(&self, other: &Verdict) -> Ordering {
+    /// A touching vertex that stays on the floor is better clamped: on a body with redundant feet
+    /// the smallest set that carries it would depend on their order. Then fewer clamped normals are
+    /// better, then sticking rather than sliding: the number of rows alone would prefer slip onset
+    /// (3 rows) to a face that sticks within its capacity (6 rows).
+    pub fn compare(&self, other: &Assessment) -> Ordering {
         self.levels
             .iter()
             .zip(&other.levels)
-            .map(|(a, b)| clearly(*a, *b))
+            .map(|(a, b)| compare_clearly(*a, *b))
             .find(|o| o.is_ne())
             .unwrap_or_else(|| self.rank.cmp(&other.rank))
-            .then_with(|| clearly(self.action, other.action))
+            .then_with(|| compare_clearly(self.action, other.action))
     }
 }
 
@@ -94,7 +94,7 @@ impl Verdict {
 const MISSED: f64 = 1e-6;
 
 /// Order of two numbers; differences that the order of summation can cause count as equal.
-fn clearly(a: f64, b: f64) -> Ordering {
+fn compare_clearly(a: f64, b: f64) -> Ordering {
     if (a - b).abs() <= 1e-9 * (a.abs() + b.abs()) { Ordering::Equal } else { a.total_cmp(&b) }
 }
 
@@ -105,12 +105,12 @@ pub struct Rules {
     pub tolerances: Tolerances,
     /// Previous states.
     pub previous: States,
-    /// Soles whose previous state an event has just put at the limit of its load: bit 0 normal, bit
-    /// 1 friction. Their margin must then be clearly positive for that state to be kept.
+    /// Soles whose previous state an event has just brought to the limit of its load: bit 0 normal,
+    /// bit 1 friction. Their margin must then be clearly positive for that state to remain.
     pub suspect: [u8; MAX_SOLES],
     /// Whether an unclamped vertex may leave the floor at up to v_t although it will return. Such
-    /// hops are normally stopped to keep bouncing finite; where no valid state stops them they are
-    /// real.
+    /// hops are normally stopped to keep bouncing finite; if no valid state stops them they are
+    /// physical.
     pub hops: bool,
 }
 
@@ -126,20 +126,20 @@ const ROUNDING: f64 = 1e-12;
 pub const CLEAR: f64 = 1e-9;
 
 /// Judges a solved candidate. `slides` is true if all undetermined sliding directions were found.
-pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, rules: &Rules) -> Verdict {
+pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, rules: &Rules) -> Assessment {
     let tol = &rules.tolerances;
-    let mut verdict = Verdict { levels: [0.0; 3], rank: [0; 5], action: 0.0, faults: [Faults::default(); MAX_SOLES] };
+    let mut assessment = Assessment::default();
     let speed = p.soles.iter().flat_map(|s| &s.vertices).map(|v| v.velocity.norm()).fold(1.0, f64::max);
     for (s, sole) in p.soles.iter().enumerate() {
         let state = states[s];
-        let faults = &mut verdict.faults[s];
+        let faults = &mut assessment.faults[s];
         let drive = p.b[6 * s..6 * s + 3].iter().map(|b| b.abs()).fold(0.0, f64::max);
         let k = sole.vertices.len();
         for (i, v) in sole.vertices.iter().enumerate() {
             let motion = p.vertex_motion(&solution.motion, s, i).z;
             let clamped = state.clamps(i, k);
             let (geometric, kinematic) = match p.level {
-                Level::Acceleration => at_rest_level(v, clamped, motion, tol, rules.hops),
+                Level::Acceleration => acceleration_violation(v, clamped, motion, tol, rules.hops),
                 // The motion after the impulse decides.
                 Level::Velocity if clamped => {
                     // Redundant soles may have contradicting rebound targets; the deviation counts
@@ -151,8 +151,8 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
                 Level::Velocity => {
                     // Above the floor and within d of it, an approach up to v_t is tolerated until
                     // the vertex arrives.
-                    let patience = if v.height > TOUCHING { tol.velocity } else { 0.0 };
-                    let short = (sole.vertex_target(i) - motion - patience) / speed;
+                    let tolerated = if v.height > TOUCHING { tol.velocity } else { 0.0 };
+                    let short = (sole.vertex_target(i) - motion - tolerated) / speed;
                     (0.0, if v.near && short > 1e-10 { short } else { 0.0 })
                 }
             };
@@ -163,22 +163,22 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
             faults.resting |= u64::from(!clamped && rests) << i;
             faults.pulling |= clamped && geometric + kinematic > 0.0;
             faults.penetrating |= u64::from(!clamped && geometric + kinematic > 0.0) << i;
-            verdict.levels[0] += geometric;
-            verdict.levels[1] += kinematic;
+            assessment.levels[0] += geometric;
+            assessment.levels[1] += kinematic;
         }
-        verdict.rank[0] += faults.resting.count_ones() as usize;
+        assessment.rank[0] += faults.resting.count_ones() as usize;
         if state == SoleState::FREE {
             continue;
         }
         let normal = normal_margin(p, state, s, solution);
-        // In another state the friction differs; a lost normal load may also be missing in a
+        // In another state the friction differs. A lost normal load may also be missing in a
         // smaller pattern.
         let suspect = rules.suspect[s] & if state == rules.previous[s] { u8::MAX } else { SUSPECT_NORMAL };
         let floor = |bit: u8| if suspect & bit != 0 { CLEAR } else { -ROUNDING };
         // A face whose pressure rule failed has negative forces, wherever its centre of pressure
         // is.
         if !(normal >= floor(SUSPECT_NORMAL)) || !solution.inside[s] {
-            verdict.levels[1] += 1.0 + (-normal).max(0.0);
+            assessment.levels[1] += 1.0 + (-normal).max(0.0);
             faults.pulling = true;
         }
         let legal = match state.mode {
@@ -186,25 +186,25 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
             Mode::Sliding => true,
             Mode::Pivoting(j) => !sole.vertices[j as usize].moving,
         };
-        // Usually the vertex forces already show that the load is carried; the margin is then not
-        // needed.
-        let certain = suspect & SUSPECT_FRICTION == 0 && carried(p, states, s, solution);
+        // Usually the vertex forces show that the load is carried, and the margin is not needed.
+        let certain = suspect & SUSPECT_FRICTION == 0 && friction_suffices(p, states, s, solution);
         let friction = if certain { 0.0 } else { margin(p, states, s, solution).friction };
         if !legal || (state.is_dynamic() && !slides) || !(friction >= floor(SUSPECT_FRICTION)) {
-            verdict.levels[2] += 1.0 + (-friction).clamp(0.0, 1e6) + f64::from(!legal);
+            assessment.levels[2] += 1.0 + (-friction).clamp(0.0, 1e6) + f64::from(!legal);
             faults.friction = true;
         }
-        verdict.rank[1] += state.normal_rows();
-        verdict.rank[2] += usize::from(state.is_dynamic());
-        verdict.rank[3] += state.rows();
+        assessment.rank[1] += state.normal_rows();
+        assessment.rank[2] += usize::from(state.is_dynamic());
+        assessment.rank[3] += state.rows();
     }
-    verdict.action = solution.wrench.iter().zip(solution.motion.iter().zip(&p.b)).map(|(w, (m, b))| w * (m - b)).sum();
-    verdict.rank[4] = (0..p.soles.len()).filter(|&s| states[s] != rules.previous[s]).count();
-    verdict
+    assessment.action =
+        solution.wrench.iter().zip(solution.motion.iter().zip(&p.b)).map(|(w, (m, b))| w * (m - b)).sum();
+    assessment.rank[4] = (0..p.soles.len()).filter(|&s| states[s] != rules.previous[s]).count();
+    assessment
 }
 
 /// Geometric and kinematic violation of one vertex at the acceleration level.
-fn at_rest_level(v: &Vertex, clamped: bool, motion: f64, tol: &Tolerances, hops: bool) -> (f64, f64) {
+fn acceleration_violation(v: &Vertex, clamped: bool, motion: f64, tol: &Tolerances, hops: bool) -> (f64, f64) {
     let (height, speed) = (v.height / tol.distance, v.velocity.z / tol.velocity);
     if clamped {
         (if height > 1.0 { height } else { 0.0 }, if speed > 1.0 { speed } else { 0.0 })
@@ -288,19 +288,19 @@ fn normal_margin(p: &Problem, state: SoleState, s: usize, solution: &Solution) -
         Pattern::Free => f64::INFINITY,
         Pattern::Vertex(i) => n[i as usize],
         Pattern::Edge(i) => n[i as usize].min(n[(i as usize + 1) % k]),
-        Pattern::Face if state.is_static() => border(sole, w[2], [-w[4], w[3]]),
+        Pattern::Face if state.is_static() => border_margin(sole, w[2], [-w[4], w[3]]),
         Pattern::Face => {
             let moment = |axis: usize| sole.vertices.iter().zip(n).map(|(v, n)| v.r[axis] * n).sum::<f64>();
-            border(sole, n.iter().sum(), [moment(0), moment(1)])
+            border_margin(sole, n.iter().sum(), [moment(0), moment(1)])
         }
     } / p.scale;
-    // No non-negative pressure carries this load, wherever its centre of pressure is.
+    // Without a non-negative pressure the load is outside, wherever its centre of pressure is.
     if solution.inside[s] { margin } else { margin.min(-ROUNDING) }
 }
 
 /// Whether the vertex forces of a static face prove that friction carries the load. False proves
 /// nothing.
-pub fn carried(p: &Problem, states: &States, s: usize, solution: &Solution) -> bool {
+pub fn friction_suffices(p: &Problem, states: &States, s: usize, solution: &Solution) -> bool {
     let sole = &p.soles[s];
     let w = &solution.wrench[6 * s..6 * s + 6];
     let mut points = [(0.0, Vector2::zeros()); 64];
@@ -358,7 +358,7 @@ pub fn onset(p: &Problem, states: &States, s: usize, solution: &Solution, out: &
 
 /// Load times the least distance of the centre of pressure from the polygon's edges (positive
 /// inside), over the radius. `moment` is the first moment of the pressure, sum of r N, in x and y.
-fn border(sole: &SoleProblem, load: f64, moment: [f64; 2]) -> f64 {
+fn border_margin(sole: &SoleProblem, load: f64, moment: [f64; 2]) -> f64 {
     let k = sole.vertices.len();
     let first = Vector2::new(moment[0], moment[1]);
     (0..k).fold(f64::INFINITY, |least, i| {

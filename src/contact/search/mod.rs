@@ -2,10 +2,10 @@
 //!
 //! [`candidate`] solves the problem for one state of all soles. [`sliding_directions`] finds the
 //! directions of friction where no velocity gives them, [`regularized_modes`] which vertices stick
-//! and which slip. [`judge`] measures violations and margins, [`select`] runs the best-first search.
+//! [`judge`] measures violations and margins, [`select`] runs the best-first search.
 //!
-//! Imports `contact::model` and `linalg`. Called by the methods `exact` and `one-step`; `sim` and
-//! the residuals' tests read margins of [`judge`].
+//! Imports `contact::model` and `linalg`. Called by the methods `exact` and `one-step`. `sim` and
+//! the tests of residuals read margins of [`judge`].
 
 pub mod candidate;
 pub mod judge;

@@ -3,17 +3,17 @@
 //! The friction law gets a small viscosity e, `u_i = t_i / sqrt(|t_i|^2 + e^2)`, with t_i the
 //! tangential motion of vertex i and `-mu_k N_i u_i` its friction. The solution is followed as e
 //! goes to zero (a homotopy): vertices that slip keep a motion, vertices that stick follow e. At
-//! every e the equations `s = G(s)` of [`crate::contact::search::sliding_directions`] are smooth;
-//! Newton steps with the candidate solve's own Jacobian follow the path; strides shorten where it
-//! bends.
+//! every e the equations `s = G(s)` of [`crate::contact::search::sliding_directions`] are smooth.
+//! Newton steps with the candidate solve's own Jacobian follow the path, in shorter strides where
+//! it bends. The modes found are then judged without viscosity.
 
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
-use crate::contact::search::candidate::Kernel;
+use crate::contact::search::candidate::CandidateSolver;
 use crate::contact::search::sliding_directions::{
     DirectionFinder, DirectionSearch, MEANS, SlipPoints, Slips, is_implicit, norm, open_vertices, read_slips,
-    set_directions, slip_point, subtract, tangential,
+    set_directions, slip_point, soles_where, subtract, tangential,
 };
 use nalgebra::Vector3;
 
@@ -31,42 +31,37 @@ const ENOUGH: f64 = 1e-8;
 const ROUNDING: f64 = 3e-14;
 
 impl DirectionFinder {
-    /// Follows the slips of the clamped patterns of `states` as viscosity goes to zero. `None` if
-    /// the path is lost.
+    /// Follows the slips of the clamped patterns of `states` as the viscosity goes to zero. `None`
+    /// if the path cannot be followed.
     pub fn regularized_modes(
         &mut self,
-        kernel: &mut Kernel,
+        solver: &mut CandidateSolver,
         p: &mut Problem,
         states: &States,
         out: &mut Solution,
     ) -> Option<RegularizedSlips> {
         let mut all = *states;
-        let mut which = [0usize; MAX_SOLES];
-        let mut count = 0;
         for s in (0..p.soles.len()).filter(|&s| states[s].pattern != Pattern::Free) {
             all[s] = SoleState::sliding(states[s].pattern);
-            if is_implicit(p, &all, s) {
-                which[count] = s;
-                count += 1;
-            }
         }
+        let (which, count) = soles_where(p, |s| is_implicit(p, &all, s));
         let which = &which[..count];
         let zero = [Vector3::zeros(); MAX_SOLES];
-        if count == 0 {
+        if which.is_empty() {
             return Some(RegularizedSlips { all, slips: zero, at_points: zero, points: MEANS, viscosity: 0.0 });
         }
         set_directions(p, &all, which, &MEANS, &zero, 0.0);
-        kernel.solve(p, &all, out);
+        solver.solve(p, &all, out);
         let mut slips = read_slips(p, &all, which, &MEANS, &out.motion, true);
         let drive = norm(which, &slips);
         let mut search =
-            DirectionSearch { finder: self, kernel, p, states: &all, which, points: MEANS, drive, viscosity: drive };
+            DirectionSearch { finder: self, solver, p, states: &all, which, points: MEANS, drive, viscosity: drive };
         let mut reached: Option<RegularizedSlips> = None;
         let mut factor: f64 = PACE;
         while search.viscosity > LEAST * drive {
             let start = (slips, search.points);
-            search.replace(&mut slips);
-            if let Some(found) = search.approach(slips, out) {
+            search.move_points(&mut slips);
+            if let Some(found) = search.converge(slips, out) {
                 slips = found;
                 let means = read_slips(search.p, &all, which, &MEANS, &out.motion, true);
                 reached = Some(RegularizedSlips {
@@ -113,14 +108,14 @@ impl RegularizedSlips {
         for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| self.all[*s].pattern != Pattern::Free) {
             let k = sole.vertices.len();
             let centre = slip_point(p, &self.all, s, self.points[s]).0;
-            let rests = |i: &usize| {
+            let sticks = |i: &usize| {
                 let speed = tangential(&self.at_points[s], &sole.vertices[*i].r, &centre, sole.radius).norm();
                 !sole.vertices[*i].moving && speed <= threshold * self.viscosity
             };
             let clamped = || (0..k).filter(|&i| self.all[s].clamps(i, k));
-            if clamped().all(|i| rests(&i)) {
+            if clamped().all(|i| sticks(&i)) {
                 modes[s].mode = Mode::Static;
-            } else if let Some(j) = clamped().find(rests)
+            } else if let Some(j) = clamped().find(sticks)
                 && self.all[s].normal_rows() > 1
             {
                 modes[s].mode = Mode::Pivoting(j as u8);
@@ -132,7 +127,7 @@ impl RegularizedSlips {
 
 impl DirectionSearch<'_> {
     /// Moves the slip point of each sole to its slowest open vertex, if that is slow.
-    fn replace(&mut self, slips: &mut Slips) {
+    fn move_points(&mut self, slips: &mut Slips) {
         for &s in self.which {
             let centre = slip_point(self.p, self.states, s, self.points[s]).0;
             let sole = &self.p.soles[s];
@@ -148,8 +143,8 @@ impl DirectionSearch<'_> {
         }
     }
 
-    /// Newton steps at the current viscosity, to a tenth of it.
-    fn approach(&mut self, mut slips: Slips, out: &mut Solution) -> Option<Slips> {
+    /// Newton steps at the current viscosity, to a residual of a tenth of it.
+    fn converge(&mut self, mut slips: Slips, out: &mut Solution) -> Option<Slips> {
         let mut image = self.evaluate(&slips, out);
         for _ in 0..40 {
             let residual = subtract(self.which, &slips, &image);

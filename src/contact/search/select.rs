@@ -2,7 +2,7 @@
 //! [Hale 2008], section III.A).
 //!
 //! The search starts from the state that continuity suggests. Candidates wait in a priority queue
-//! ordered by [`Verdict::compare`]. The best is expanded by the local moves that its faults
+//! ordered by [`Assessment::compare`]. The best is expanded by the local moves that its faults
 //! suggest; no candidate is tested twice. The search ends at the first valid candidate that none of
 //! its smaller neighbours beats. If the queue empties first:
 //!
@@ -15,8 +15,8 @@
 use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
-use crate::contact::search::candidate::{Kernel, share_static};
-use crate::contact::search::judge::{Faults, Rules, SUSPECT_FRICTION, Verdict, judge, margin, onset};
+use crate::contact::search::candidate::{CandidateSolver, share_static};
+use crate::contact::search::judge::{Assessment, Faults, Rules, SUSPECT_FRICTION, judge, margin, onset};
 use crate::contact::search::sliding_directions::{self, DirectionFinder, Onset, Slips};
 use nalgebra::Vector3;
 use std::cmp::Ordering;
@@ -27,7 +27,7 @@ const ENUMERABLE: usize = 20_000;
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     states: States,
-    verdict: Verdict,
+    assessment: Assessment,
     /// Slips of its soles, from which its directions are found again.
     slips: Slips,
     /// Whether its directions were found from a regularized start.
@@ -44,24 +44,24 @@ pub struct Selection {
     pub tested: usize,
     /// False when no candidate was valid.
     pub consistent: bool,
-    /// Verdict on the chosen states.
-    pub verdict: Verdict,
+    /// Assessment of the chosen states.
+    pub assessment: Assessment,
 }
 
 impl Selection {
-    /// Of a method that tries no candidates and claims no validity: its errors show in the residuals.
-    pub fn labelled(states: States) -> Self {
-        let verdict = Verdict { levels: [0.0; 3], rank: [0; 5], action: 0.0, faults: Default::default() };
-        Selection { states, tested: 0, consistent: true, verdict }
+    /// Selection of a method that tries no candidates and claims no validity: its errors show in
+    /// the residuals.
+    pub fn unchecked(states: States) -> Self {
+        Selection { states, tested: 0, consistent: true, assessment: Assessment::default() }
     }
 }
 
 /// The state search, with its scratch.
 #[derive(Clone, Debug)]
 pub struct Selector {
-    kernel: Kernel,
+    solver: CandidateSolver,
     finder: DirectionFinder,
-    /// First guess of slips for directions, in addition to those that the loads suggest.
+    /// First guess of the slips, in addition to those that the loads suggest.
     guess: Option<Slips>,
     /// Slip onset of soles whose load an event has put at its limit.
     onset: Vec<Onset>,
@@ -74,7 +74,7 @@ impl Selector {
     /// A selector for problems of this size.
     pub fn new(p: &Problem) -> Self {
         Selector {
-            kernel: Kernel::new(p),
+            solver: CandidateSolver::new(p),
             finder: DirectionFinder::new(p),
             guess: None,
             onset: vec![Onset::default(); p.soles.len()],
@@ -84,12 +84,12 @@ impl Selector {
     }
 
     /// The candidate solver, which has solved the chosen states.
-    pub fn kernel(&mut self) -> &mut Kernel {
-        &mut self.kernel
+    pub fn solver(&mut self) -> &mut CandidateSolver {
+        &mut self.solver
     }
 
     /// Solves and judges one candidate.
-    pub fn test(&mut self, p: &mut Problem, states: &States, rules: &Rules, out: &mut Solution) -> Verdict {
+    pub fn test(&mut self, p: &mut Problem, states: &States, rules: &Rules, out: &mut Solution) -> Assessment {
         // A static load beyond its capacity gives the direction of slip.
         let mut hint = [Vector3::zeros(); MAX_SOLES];
         if (0..p.soles.len()).any(|s| sliding_directions::is_implicit(p, states, s)) {
@@ -97,7 +97,7 @@ impl Selector {
             (0..p.soles.len())
                 .filter(|&s| sliding_directions::is_implicit(p, states, s))
                 .for_each(|s| stuck[s].mode = Mode::Static);
-            self.kernel.solve(p, &stuck, out);
+            self.solver.solve(p, &stuck, out);
             share_static(p, &stuck, out);
             for s in (0..p.soles.len()).filter(|&s| stuck[s] != states[s]) {
                 hint[s] = margin(p, &stuck, s, out).slip;
@@ -105,7 +105,7 @@ impl Selector {
         }
         let hints = [self.guess.unwrap_or(hint), hint];
         let hints = if self.guess.is_some() { &hints[..] } else { &hints[..1] };
-        let slides = self.finder.solve(&mut self.kernel, p, states, hints, &self.onset, out);
+        let slides = self.finder.solve(&mut self.solver, p, states, hints, &self.onset, out);
         share_static(p, states, out);
         judge(p, states, out, slides, rules)
     }
@@ -135,28 +135,28 @@ impl Selector {
         self.push(p, start, rules, &mut tested, out);
         self.explore(p, unchanged, false, rules, allowed, &mut tested, out);
         let mut best = self.best();
-        if !best.verdict.valid() {
-            // Search again from the best over patterns alone; the modes are solved for.
+        if !best.assessment.valid() {
+            // Search again from the best candidate over patterns only; the modes are solved for.
             self.queue.iter_mut().for_each(|e| e.expanded = true);
             self.complete(p, &best.states, rules, allowed, &mut tested, out);
             self.explore(p, false, true, rules, allowed, &mut tested, out);
             best = self.best();
-            if !best.verdict.valid() && p.level == Level::Acceleration {
+            if !best.assessment.valid() && p.level == Level::Acceleration {
                 let lenient = Rules { hops: true, ..*rules };
                 self.queue.clear();
                 self.patterns.clear();
                 self.push(p, start, &lenient, &mut tested, out);
                 self.explore(p, false, false, &lenient, allowed, &mut tested, out);
-                let kept = self.best();
-                if !kept.verdict.valid() {
-                    self.queue.iter_mut().for_each(|e| e.expanded = true);
-                    self.complete(p, &kept.states, &lenient, allowed, &mut tested, out);
-                    self.explore(p, false, true, &lenient, allowed, &mut tested, out);
-                }
                 best = self.best();
-                hops = best.verdict.valid();
+                if !best.assessment.valid() {
+                    self.queue.iter_mut().for_each(|e| e.expanded = true);
+                    self.complete(p, &best.states, &lenient, allowed, &mut tested, out);
+                    self.explore(p, false, true, &lenient, allowed, &mut tested, out);
+                    best = self.best();
+                }
+                hops = best.assessment.valid();
             }
-            if !best.verdict.valid() {
+            if !best.assessment.valid() {
                 self.queue.clear();
                 self.push(p, start, rules, &mut tested, out);
                 self.enumerate(p, rules, allowed, &mut tested, out);
@@ -166,9 +166,9 @@ impl Selector {
         let rules = &Rules { hops, ..*rules };
         // Leave the chosen candidate's solution and directions in place.
         self.guess = Some(best.slips);
-        let verdict = self.test(p, &best.states, rules, out);
+        let assessment = self.test(p, &best.states, rules, out);
         self.guess = None;
-        Selection { states: best.states, tested, consistent: verdict.valid(), verdict }
+        Selection { states: best.states, tested, consistent: assessment.valid(), assessment }
     }
 
     /// Expands the best candidates until one is valid and none of its smaller neighbours beats it.
@@ -189,18 +189,17 @@ impl Selector {
                 .min_by(|&a, &b| order(&self.queue[a], &self.queue[b]));
             let Some(best) = best else { break };
             let entry = self.queue[best];
-            let ended = self.queue.iter().any(|e| e.expanded && e.verdict.valid() && order(e, &entry).is_le());
-            if ended {
+            if self.queue.iter().any(|e| e.expanded && e.assessment.valid() && order(e, &entry).is_le()) {
                 break;
             }
             self.queue[best].expanded = true;
-            if entry.verdict.valid() && unchanged {
+            if entry.assessment.valid() && unchanged {
                 break;
             }
             for s in 0..p.soles.len() {
-                let faults = entry.verdict.faults[s];
+                let faults = entry.assessment.faults[s];
                 let mut moves = Moves::default();
-                moves.suggest(p, s, entry.states[s], faults, entry.verdict.valid());
+                moves.suggest(p, s, entry.states[s], faults, entry.assessment.valid());
                 for &state in &moves.list[..moves.count] {
                     let mut next = entry.states;
                     next[s] = state;
@@ -210,7 +209,7 @@ impl Selector {
                         self.push(p, &next, rules, tested, out);
                     }
                 }
-                // Soles of one body begin and end slipping together.
+                // Soles of one body start and stop slipping together.
                 let others = (0..p.soles.len()).filter(|&t| t != s && p.soles[t].body == p.soles[s].body);
                 if faults.friction && !completing && others.clone().any(|t| entry.states[t] != SoleState::FREE) {
                     let mut next = entry.states;
@@ -243,13 +242,13 @@ impl Selector {
         }
         self.patterns.push(patterns);
         *tested += 1;
-        let Some(regularized) = self.finder.regularized_modes(&mut self.kernel, p, &patterns, out) else { return };
+        let Some(regularized) = self.finder.regularized_modes(&mut self.solver, p, &patterns, out) else { return };
         // Only a trial distinguishes a slip that has just begun from viscous creep.
         for threshold in [10.0, 1e3, 1e6] {
             let states = regularized.modes(p, threshold);
             if (0..p.soles.len()).all(|s| allowed(s, states[s])) {
                 // Candidates that failed without a good first guess are tried again.
-                self.queue.retain(|e| e.states != states || e.verdict.valid() || e.guessed);
+                self.queue.retain(|e| e.states != states || e.assessment.valid() || e.guessed);
                 self.guess = Some(regularized.slips);
                 self.push(p, &states, rules, tested, out);
                 self.guess = None;
@@ -265,11 +264,11 @@ impl Selector {
         if self.queue.iter().any(|e| e.states == *states) {
             return;
         }
-        let verdict = self.test(p, states, rules, out);
+        let assessment = self.test(p, states, rules, out);
         *tested += 1;
         let slips = sliding_directions::slips(p, states, &out.motion);
         let guessed = self.guess.is_some();
-        self.queue.push(Entry { states: *states, verdict, slips, guessed, expanded: false });
+        self.queue.push(Entry { states: *states, assessment, slips, guessed, expanded: false });
     }
 
     fn enumerate(
@@ -300,9 +299,9 @@ impl Selector {
     }
 }
 
-/// Orders by verdict, then by a fixed order of the states: the outcome is deterministic.
+/// Orders by assessment, then by a fixed order of the states: the outcome is deterministic.
 fn order(a: &Entry, b: &Entry) -> Ordering {
-    a.verdict.compare(&b.verdict).then_with(|| a.states.cmp(&b.states))
+    a.assessment.compare(&b.assessment).then_with(|| a.states.cmp(&b.states))
 }
 
 /// First mode to try for a pattern: sliding if one of its vertices moves, else static.
@@ -310,8 +309,8 @@ pub fn first_mode(p: &Problem, s: usize, pattern: Pattern) -> SoleState {
     let sole = &p.soles[s];
     let k = sole.vertices.len();
     let state = SoleState::fixed(pattern);
-    let moving = (0..k).filter(|&i| state.clamps(i, k) && sole.vertices[i].moving).count();
-    if moving > 0 { SoleState::sliding(pattern) } else { state }
+    let slides = (0..k).any(|i| state.clamps(i, k) && sole.vertices[i].moving);
+    if slides { SoleState::sliding(pattern) } else { state }
 }
 
 /// Local moves of one sole, on the stack. At most 64 vertices give at most 64 + 64 + 1 patterns.
@@ -343,7 +342,7 @@ impl Moves {
             let clamps_fault = (0..k).any(|i| to_clamp >> i & 1 == 1 && next.clamps(i, k));
             let nested = |a: SoleState, b: SoleState| (0..k).all(|i| !a.clamps(i, k) || b.clamps(i, k));
             // Clamp a vertex that enters the floor, keeping or replacing clamped vertices.
-            let clamp = clamps_fault && (next.normal_rows() > rows || next.normal_rows() == rows);
+            let clamp = clamps_fault && next.normal_rows() >= rows;
             // Release a pulling vertex; for a valid candidate, try smaller patterns.
             let release = (faults.pulling || valid) && next.normal_rows() < rows && nested(next, state);
             // A pulling edge may have to be replaced by its neighbour.

@@ -15,10 +15,9 @@
 //! [`crate::contact::search::regularized_modes`] finds which vertices stick and which slip.
 
 use crate::contact::model::problem::Problem;
-use crate::contact::model::solution::Solution;
-use crate::contact::model::solution::wrench_at;
+use crate::contact::model::solution::{Solution, wrench_at};
 use crate::contact::model::state::{MAX_SOLES, Mode, States};
-use crate::contact::search::candidate::Kernel;
+use crate::contact::search::candidate::CandidateSolver;
 use crate::linalg::linear::Linear;
 use nalgebra::{Vector2, Vector3};
 
@@ -27,11 +26,11 @@ use nalgebra::{Vector2, Vector3};
 pub type Slips = [Vector3<f64>; MAX_SOLES];
 
 /// Slip, relative to the frictionless motion, up to which a load at its limit counts as not yet
-/// accelerating: the residue of event location.
+/// accelerating: the error of event location.
 const ONSET_SLIP: f64 = 1e-7;
 
 /// Slip of a vertex, relative to that of its sole, below which the vertex is at rest.
-const STILL: f64 = 1e-14;
+const AT_REST: f64 = 1e-14;
 
 /// Tolerance of the residual, relative to the frictionless motion.
 const TOLERANCE: f64 = 1e-10;
@@ -88,7 +87,7 @@ impl DirectionFinder {
     /// Returns false if no consistent directions were found.
     pub fn solve(
         &mut self,
-        kernel: &mut Kernel,
+        solver: &mut CandidateSolver,
         p: &mut Problem,
         states: &States,
         hints: &[Slips],
@@ -96,39 +95,39 @@ impl DirectionFinder {
         out: &mut Solution,
     ) -> bool {
         let limit = (0..p.soles.len()).any(|s| onset[s].vertices != 0 && is_implicit(p, states, s));
-        if limit && self.at_limit(kernel, p, states, hints, onset, out) {
+        if limit && self.solve_at_limit(solver, p, states, hints, onset, out) {
             return true;
         }
-        self.find(kernel, p, states, hints, out)
+        self.find(solver, p, states, hints, out)
     }
 
-    /// Slips loads at their limit along `onset`, to first order without motion; solves for all
-    /// other directions.
-    fn at_limit(
+    /// Lets loads at their limit slip along `onset`, to first order without motion, and solves for
+    /// all other directions. Returns whether consistent directions were found.
+    fn solve_at_limit(
         &mut self,
-        kernel: &mut Kernel,
+        solver: &mut CandidateSolver,
         p: &mut Problem,
         states: &States,
         hints: &[Slips],
         onset: &[Onset],
         out: &mut Solution,
     ) -> bool {
-        let mut taken = [0u64; MAX_SOLES];
+        let mut starting = [0u64; MAX_SOLES];
         for s in (0..p.soles.len()).filter(|&s| is_implicit(p, states, s)) {
-            taken[s] = open_vertices(p, states, s).fold(0, |set, i| set | 1 << i) & onset[s].vertices;
+            starting[s] = open_vertices(p, states, s).fold(0, |set, i| set | 1 << i) & onset[s].vertices;
         }
         for (s, sole) in p.soles.iter_mut().enumerate() {
-            for (i, v) in sole.vertices.iter_mut().enumerate().filter(|(i, _)| taken[s] >> i & 1 == 1) {
+            for (i, v) in sole.vertices.iter_mut().enumerate().filter(|(i, _)| starting[s] >> i & 1 == 1) {
                 v.direction = onset[s].directions[i];
                 v.moving = true;
             }
         }
-        let found = self.find(kernel, p, states, hints, out);
+        let found = self.find(solver, p, states, hints, out);
         let drive =
             (0..p.soles.len()).map(|s| Vector3::from_column_slice(&p.b[6 * s..6 * s + 3]).norm()).fold(0.0, f64::max);
         let mut still = true;
-        for (s, taken) in taken.iter().enumerate().take(p.soles.len()) {
-            for i in (0..p.soles[s].vertices.len()).filter(|i| taken >> i & 1 == 1) {
+        for (s, starting) in starting.iter().enumerate().take(p.soles.len()) {
+            for i in (0..p.soles[s].vertices.len()).filter(|i| starting >> i & 1 == 1) {
                 still &= p.vertex_motion(&out.motion, s, i).xy().norm() <= ONSET_SLIP * drive;
                 p.soles[s].vertices[i].moving = false;
             }
@@ -139,32 +138,27 @@ impl DirectionFinder {
     /// Finds the directions of all open vertices.
     fn find(
         &mut self,
-        kernel: &mut Kernel,
+        solver: &mut CandidateSolver,
         p: &mut Problem,
         states: &States,
         hints: &[Slips],
         out: &mut Solution,
     ) -> bool {
-        let mut which = [0usize; MAX_SOLES];
-        let mut count = 0;
-        for s in (0..p.soles.len()).filter(|&s| is_implicit(p, states, s)) {
-            which[count] = s;
-            count += 1;
-        }
-        if count == 0 {
-            kernel.solve(p, states, out);
+        let (which, count) = soles_where(p, |s| is_implicit(p, states, s));
+        let which = &which[..count];
+        if which.is_empty() {
+            solver.solve(p, states, out);
             return true;
         }
-        let which = &which[..count];
         // The motion without friction on these vertices is the drive, and a first guess.
         let zero = [Vector3::zeros(); MAX_SOLES];
         set_directions(p, states, which, &MEANS, &zero, 0.0);
-        kernel.solve(p, states, out);
+        solver.solve(p, states, out);
         let points = slip_points(p, states, which);
         let drive = read_slips(p, states, which, &points, &out.motion, true);
         let mut search = DirectionSearch {
             finder: self,
-            kernel,
+            solver,
             p,
             states,
             which,
@@ -199,9 +193,7 @@ impl DirectionFinder {
                     }
                 }
             }
-            let mut open = open_vertices(search.p, states, s);
-            if let (Some(i), None) = (open.next(), open.next()) {
-                drop(open);
+            if let Some(i) = only_open_vertex(search.p, states, s) {
                 return search.scan_angles(s, i, out);
             }
         }
@@ -218,10 +210,26 @@ pub(super) fn open_vertices<'a>(p: &'a Problem, states: &'a States, s: usize) ->
     })
 }
 
+/// The only such vertex; `None` if there is none or several.
+fn only_open_vertex(p: &Problem, states: &States, s: usize) -> Option<usize> {
+    let mut open = open_vertices(p, states, s);
+    open.next().filter(|_| open.next().is_none())
+}
+
+/// The soles for which `condition` holds, and their number.
+pub(super) fn soles_where(p: &Problem, condition: impl Fn(usize) -> bool) -> ([usize; MAX_SOLES], usize) {
+    let (mut which, mut count) = ([0; MAX_SOLES], 0);
+    for s in (0..p.soles.len()).filter(|&s| condition(s)) {
+        which[count] = s;
+        count += 1;
+    }
+    (which, count)
+}
+
 /// Search for the directions of one candidate.
 pub(super) struct DirectionSearch<'a> {
     pub(super) finder: &'a mut DirectionFinder,
-    pub(super) kernel: &'a mut Kernel,
+    pub(super) solver: &'a mut CandidateSolver,
     pub(super) p: &'a mut Problem,
     pub(super) states: &'a States,
     /// Soles with undetermined directions.
@@ -230,20 +238,20 @@ pub(super) struct DirectionSearch<'a> {
     pub(super) points: SlipPoints,
     /// Size of the slips without friction.
     pub(super) drive: f64,
-    /// Viscosity e of [`crate::contact::search::regularized_modes`]; zero without.
+    /// Viscosity e of [`crate::contact::search::regularized_modes`]; zero without regularization.
     pub(super) viscosity: f64,
 }
 
 impl DirectionSearch<'_> {
-    /// Solves the candidate with directions from `slips`: the map G of the module page.
+    /// Solves the candidate with directions from `slips`: the map G of the module.
     pub(super) fn evaluate(&mut self, slips: &Slips, out: &mut Solution) -> Slips {
         set_directions(self.p, self.states, self.which, &self.points, slips, self.viscosity);
-        self.kernel.solve(self.p, self.states, out);
+        self.solver.solve(self.p, self.states, out);
         read_slips(self.p, self.states, self.which, &self.points, &out.motion, true)
     }
 
     /// Scans the one undetermined direction, of vertex `i`, for angles at which friction opposes
-    /// the resulting motion. Takes the first (from +x) at which the floor pushes.
+    /// the resulting motion. Chooses the first (from +x) at which the floor pushes.
     fn scan_angles(&mut self, s: usize, i: usize, out: &mut Solution) -> bool {
         const STEPS: usize = 48;
         let mut across = |search: &mut Self, angle: f64| {
@@ -307,7 +315,7 @@ impl DirectionSearch<'_> {
 
     /// Moves along `-step` if the residual falls below `share` of its size. A share of 1 accepts
     /// any decrease and halves the step until there is one. Returns false without a decrease. On
-    /// return the kernel has solved at the slips.
+    /// return the solver has solved at the slips.
     pub(super) fn descend(
         &mut self,
         (slips, image): (&mut Slips, &mut Slips),
@@ -348,7 +356,7 @@ impl DirectionSearch<'_> {
         })
     }
 
-    /// Newton step on `s - G(s)` for all these soles at once, at the last evaluation of the kernel.
+    /// Newton step on `s - G(s)` for all soles of `which`, at the last evaluation of the solver.
     pub(super) fn newton_step(&mut self, slips: &Slips, residual: &Slips, out: &Solution) -> Slips {
         let n = 3 * self.which.len();
         let a = &mut self.finder.jacobian[..n * n];
@@ -363,7 +371,7 @@ impl DirectionSearch<'_> {
                     let v = &sole.vertices[i];
                     let t = tangential(&slips[s], &v.r, &centre, sole.radius);
                     let speed = t.norm().hypot(self.viscosity);
-                    if speed <= STILL * slips[s].norm() {
+                    if speed <= AT_REST * slips[s].norm() {
                         continue;
                     }
                     // With |u| < 1 this is also the derivative of t / sqrt(|t|^2 + e^2).
@@ -373,7 +381,7 @@ impl DirectionSearch<'_> {
                     let more = wrench_at(&v.r, &Vector3::new(df.x, df.y, 0.0));
                     six.iter_mut().zip(more).for_each(|(x, y)| *x += y);
                 }
-                self.kernel.answer(self.p, s, &six, &mut self.finder.motion);
+                self.solver.response(self.p, s, &six, &mut self.finder.motion);
                 let change = read_slips(self.p, self.states, self.which, &self.points, &self.finder.motion, false);
                 for (r, &t) in self.which.iter().enumerate() {
                     for row in 0..3 {
@@ -420,12 +428,7 @@ pub(super) const MEANS: SlipPoints = [None; MAX_SOLES];
 /// Slip points of a candidate: the only vertex with an undetermined direction, or the mean.
 fn slip_points(p: &Problem, states: &States, which: &[usize]) -> SlipPoints {
     let mut points = MEANS;
-    for &s in which {
-        let mut open = open_vertices(p, states, s);
-        if let (Some(i), None) = (open.next(), open.next()) {
-            points[s] = Some(i as u8);
-        }
-    }
+    which.iter().for_each(|&s| points[s] = only_open_vertex(p, states, s).map(|i| i as u8));
     points
 }
 
@@ -465,12 +468,7 @@ pub(super) fn tangential(slip: &Vector3<f64>, r: &Vector3<f64>, centre: &Vector3
 
 /// Slips of the sliding soles under the sole motions `motion` (6F).
 pub fn slips(p: &Problem, states: &States, motion: &[f64]) -> Slips {
-    let mut which = [0usize; MAX_SOLES];
-    let mut count = 0;
-    for s in (0..p.soles.len()).filter(|&s| states[s].is_dynamic()) {
-        which[count] = s;
-        count += 1;
-    }
+    let (which, count) = soles_where(p, |s| states[s].is_dynamic());
     read_slips(p, states, &which[..count], &MEANS, motion, true)
 }
 
@@ -491,7 +489,7 @@ pub(super) fn read_slips(
         let (linear, angular) = (Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
         let (at, bias) = slip_point(p, states, s, points[s]);
         let t = linear + angular.cross(&at) + if whole { bias } else { Vector3::zeros() };
-        // A vertex turns freely.
+        // A single vertex turns without friction.
         let turn = if states[s].normal_rows() > 1 { m[5] * sole.radius } else { 0.0 };
         slips[s] = Vector3::new(t.x, t.y, turn);
     }
@@ -518,7 +516,7 @@ pub(super) fn set_directions(
             }
             let t = tangential(slip, &v.r, &centre, radius);
             let speed = t.norm().hypot(viscosity);
-            v.direction = if speed > STILL * slip.norm() { t / speed } else { Vector2::zeros() };
+            v.direction = if speed > AT_REST * slip.norm() { t / speed } else { Vector2::zeros() };
         }
     }
 }

@@ -1,14 +1,13 @@
 //! Restores a problem from its record and repeats the selection.
 
-use crate::contact::methods::contact_method::{ContactSolver, SelectionInput};
+use crate::contact::methods::contact_method::SelectionInput;
 use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::{Level, Problem, SoleProblem, Tolerances, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, SoleState, States};
 use crate::contact::search::judge::{Rules, SUSPECT_FRICTION, SUSPECT_NORMAL};
-use crate::contact::search::select::Selection;
 use crate::contact::selection_record::{
-    Answer, LevelName, SelectionRecord, SelectionRecordError, SoleRecord, VertexRecord, state_named,
+    LevelName, SelectionRecord, SelectionRecordError, SelectionResult, SoleRecord, VertexRecord, state_named,
 };
 use nalgebra::{Vector2, Vector3};
 
@@ -25,10 +24,8 @@ impl SelectionRecord {
         length("W", self.w.len(), n * n)?;
         length("b", self.b.len(), n)?;
         if self.soles.len() > MAX_SOLES {
-            return Err(SelectionRecordError::Size(format!(
-                "{} soles, at most {MAX_SOLES} are supported",
-                self.soles.len()
-            )));
+            let message = format!("the record has {} soles, at most {MAX_SOLES} are supported", self.soles.len());
+            return Err(SelectionRecordError::Size(message));
         }
         if let Some(s) = self.soles.iter().find(|s| s.vertices.is_empty() || s.vertices.len() > 64) {
             let message = format!("sole `{}` has {} vertices, 1 to 64 are supported", s.name, s.vertices.len());
@@ -91,7 +88,7 @@ impl SelectionRecord {
         Ok(forced)
     }
 
-    /// The last known solution, in the parts that methods read: wrenches and vertex forces.
+    /// The wrenches and vertex forces of the last known solution.
     ///
     /// # Errors
     /// Lists of wrong length.
@@ -112,11 +109,11 @@ impl SelectionRecord {
     }
 
     /// Repeats the selection with the recorded method. The same program on the same kind of machine
-    /// gives the same answer bit for bit.
+    /// gives an answer equal to the last bit.
     ///
     /// # Errors
-    /// Those of the functions above, or an unknown method.
-    pub fn replay(&self) -> Result<Answer, SelectionRecordError> {
+    /// A record that is not a valid problem, or an unknown method.
+    pub fn replay(&self) -> Result<SelectionResult, SelectionRecordError> {
         let (mut p, rules, forced, mut out) = (self.problem()?, self.rules()?, self.forced()?, self.last()?);
         let method = MethodDescriptor::named(&self.method);
         let method = method.ok_or_else(|| SelectionRecordError::Method(self.method.clone()))?;
@@ -124,8 +121,11 @@ impl SelectionRecord {
         let level = p.level;
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f| allows(level, f, state));
         let input = SelectionInput { rules: &rules, event: self.event, allowed: &allowed };
-        let selection = choose(method.as_mut(), &mut p, &input, &mut out);
-        Ok(Answer::new(self.soles.len(), &selection, &out))
+        let selection = match level {
+            Level::Acceleration => method.select(&mut p, &input, &mut out),
+            Level::Velocity => method.impulse(&mut p, &input, &mut out),
+        };
+        Ok(SelectionResult::new(self.soles.len(), &selection, &out))
     }
 }
 
@@ -135,14 +135,6 @@ fn allows(level: Level, forced: SoleState, state: SoleState) -> bool {
     match level {
         Level::Acceleration => forced == state,
         Level::Velocity => forced.pattern == state.pattern,
-    }
-}
-
-/// Selects at the level of the problem.
-fn choose(method: &mut dyn ContactSolver, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
-    match p.level {
-        Level::Acceleration => method.select(p, input, out),
-        Level::Velocity => method.impulse(p, input, out),
     }
 }
 

@@ -1,12 +1,11 @@
 //! Records of selections: a contact problem before its selection, and the answer, as plain numbers.
 //!
-//! JSON carries them bit for bit, and [`SelectionRecord::replay`] repeats the selection from them
-//! alone.
+//! JSON preserves all bits, and [`SelectionRecord::replay`] repeats the selection from a record.
 //!
 //! Axes are the floor's (z is the normal). See [`crate::contact::model::problem`] for the equation
 //! `m = b + W w` and the order of its rows.
 //!
-//! This file defines the format; `serialize` fills a record, `deserialize` restores the problem.
+//! This module defines the format; `serialize` fills a record, `deserialize` restores the problem.
 
 mod deserialize;
 mod serialize;
@@ -33,7 +32,7 @@ pub struct SelectionRecord {
     pub level: LevelName,
     /// Whether an event has occurred since the previous states were chosen.
     pub event: bool,
-    /// What a force is small against,
+    /// Typical load,
     /// [`Problem::scale`](crate::contact::model::problem::Problem::scale).
     pub scale: f64,
     /// [`Problem::step`](crate::contact::model::problem::Problem::step).
@@ -49,7 +48,7 @@ pub struct SelectionRecord {
     /// Soles, in the order of the rows.
     pub soles: Vec<SoleRecord>,
     /// The answer of the method.
-    pub answer: Answer,
+    pub answer: SelectionResult,
 }
 
 /// [`Level`](crate::contact::model::problem::Level) as written in files.
@@ -99,8 +98,7 @@ pub struct SoleRecord {
     pub name: String,
     /// Reference point of motion, wrench and vertices, relative to the floor's origin.
     pub reference_m: [f64; 3],
-    /// Soles with the same number belong to the same body; each has its own body if this is left
-    /// out.
+    /// Soles with the same number belong to the same body; without it each sole has its own body.
     #[serde(default)]
     pub body: Option<usize>,
     /// [`SoleProblem::radius`](crate::contact::model::problem::SoleProblem::radius).
@@ -117,7 +115,7 @@ pub struct SoleRecord {
     pub suspect_normal: bool,
     /// An event has put its friction load in doubt.
     pub suspect_friction: bool,
-    /// Wrench of the last known solution (forces), on which the one-step method decides.
+    /// Wrench of the last known solution (forces), an input of the one-step method.
     pub last_wrench: Vec<f64>,
     /// Its vertices in order around the polygon.
     pub vertices: Vec<VertexRecord>,
@@ -153,10 +151,10 @@ pub struct VertexRecord {
     pub last_tangent: [f64; 2],
 }
 
-/// What was chosen.
+/// Result of the selection.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Answer {
+pub struct SelectionResult {
     /// Whether a valid state was found.
     pub consistent: bool,
     /// Candidates tested.
@@ -175,7 +173,7 @@ pub struct Answer {
     pub tangent: Vec<Vec<[f64; 2]>>,
 }
 
-/// [`crate::contact::search::judge::Verdict::levels`].
+/// [`crate::contact::search::judge::Assessment::levels`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Violations {
@@ -200,10 +198,10 @@ pub enum SelectionRecordError {
         /// Length that the number of soles requires.
         expected: usize,
     },
-    /// Number of soles or vertices outside what the methods support.
+    /// Unsupported number of soles or vertices.
     #[error("{0}")]
     Size(String),
-    /// Name of no state of a sole with this number of vertices.
+    /// Unknown state for a sole with this number of vertices.
     #[error("sole `{sole}` with {vertices} vertices has no state `{name}`")]
     State {
         /// The sole.
@@ -213,13 +211,13 @@ pub enum SelectionRecordError {
         /// Name found in the record.
         name: String,
     },
-    /// Name of no registered method.
+    /// Unknown method.
     #[error("unknown contact method `{0}`")]
     Method(String),
 }
 
-/// The name of a state with its refinement: [`SoleState`]'s own, but `face-pivot-2` for turning
-/// about vertex 2.
+/// The name of a state: that of [`SoleState`], but for example `face-pivot-2` for turning about
+/// vertex 2.
 pub fn state_name(state: SoleState) -> String {
     let plain = state.to_string();
     match state.mode {
@@ -228,7 +226,7 @@ pub fn state_name(state: SoleState) -> String {
     }
 }
 
-/// The state of that name for a sole with `k` vertices.
+/// The state named `name` of a sole with `k` vertices.
 pub fn state_named(name: &str, k: usize) -> Option<SoleState> {
     SoleState::refined(k).find(|&s| state_name(s) == name)
 }

@@ -8,7 +8,8 @@ use crate::contact::model::state::SoleState;
 use crate::contact::search::judge::{SUSPECT_FRICTION, SUSPECT_NORMAL};
 use crate::contact::search::select::Selection;
 use crate::contact::selection_record::{
-    Answer, LevelName, SelectionRecord, SoleRecord, ToleranceRecord, Units, VertexRecord, Violations, state_name,
+    LevelName, SelectionRecord, SelectionResult, SoleRecord, ToleranceRecord, Units, VertexRecord, Violations,
+    state_name,
 };
 
 impl Units {
@@ -68,7 +69,7 @@ impl SelectionRecord {
                 rest_m_per_s: tol.rest,
             },
             soles: p.soles.iter().enumerate().map(sole).collect(),
-            answer: Answer {
+            answer: SelectionResult {
                 consistent: false,
                 tested: 0,
                 violations: Violations { geometric: 0.0, kinematic: 0.0, friction: 0.0 },
@@ -83,7 +84,7 @@ impl SelectionRecord {
 
     /// Adds the answer of the method.
     pub fn set_answer(&mut self, selection: &Selection, solution: &Solution) {
-        self.answer = Answer::new(self.soles.len(), selection, solution);
+        self.answer = SelectionResult::new(self.soles.len(), selection, solution);
     }
 }
 
@@ -105,10 +106,10 @@ impl VertexRecord {
     }
 }
 
-impl Answer {
+impl SelectionResult {
     pub(super) fn new(soles: usize, selection: &Selection, solution: &Solution) -> Self {
-        let [geometric, kinematic, friction] = selection.verdict.levels;
-        Answer {
+        let [geometric, kinematic, friction] = selection.assessment.levels;
+        SelectionResult {
             consistent: selection.consistent,
             tested: selection.tested,
             violations: Violations { geometric, kinematic, friction },

@@ -5,7 +5,8 @@ use crate::log::read::log_error::LogDamage;
 use crate::log::read::message_values::{quaternion, vector_or_zero};
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// Estimated base and readings of the sensors at the last control tick before each record. World axes unless said.
+/// Estimated base and readings of the sensors at the last control tick before each record. World
+/// axes unless stated otherwise.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EstimateSeries {
     /// Times of the control ticks, s.

@@ -15,11 +15,11 @@ pub enum LogError {
         source: std::io::Error,
     },
     /// A file of another kind, or of another program.
-    #[error("{path}: no log of this program: {reason}")]
+    #[error("{path}: not a log of this program: {reason}")]
     Foreign {
         /// The file.
         path: PathBuf,
-        /// What is missing.
+        /// The missing part.
         reason: &'static str,
     },
     /// The file begins as a log and ends before its index.
@@ -47,7 +47,7 @@ impl LogError {
     }
 }
 
-/// What is wrong with a damaged log.
+/// Damage of a log.
 #[derive(Debug, thiserror::Error)]
 pub enum LogDamage {
     /// A record is malformed or its checksum differs.
@@ -56,8 +56,8 @@ pub enum LogDamage {
     /// The bytes of the file cannot be read.
     #[error(transparent)]
     Io(#[from] std::io::Error),
-    /// The index leads beyond the end of the file.
-    #[error("its index leads beyond its end")]
+    /// The index refers to data beyond the end of the file.
+    #[error("its index refers to data beyond its end")]
     IndexRange,
     /// The records are too long for the file's length.
     #[error("its records are more than {0} times as long as the file")]
@@ -66,7 +66,7 @@ pub enum LogDamage {
     #[error("the metadata table `run` lacks the entry `{0}`")]
     RunEntry(&'static str),
     /// An attachment is not UTF-8.
-    #[error("the attachment `{0}` is no UTF-8 text")]
+    #[error("the attachment `{0}` is not UTF-8 text")]
     AttachmentText(String),
     /// A message does not have the form of its topic.
     #[error("a message on {topic}: {source}")]
@@ -77,14 +77,14 @@ pub enum LogDamage {
         source: prost::DecodeError,
     },
     /// A channel lacks a metadata entry.
-    #[error("{topic} does not say its `{entry}`")]
+    #[error("{topic} has no `{entry}`")]
     ChannelEntry {
         /// The topic.
         topic: &'static str,
         /// The entry.
         entry: &'static str,
     },
-    /// A metadata entry of a channel is no list of names.
+    /// A metadata entry of a channel is not a list of names.
     #[error("`{entry}` of {topic}: {source}")]
     ChannelList {
         /// The topic.
@@ -103,7 +103,7 @@ pub enum LogDamage {
         kinds: usize,
     },
     /// Two topics have messages of different ticks.
-    #[error("{topic} has other ticks ({found}) than the topics before it ({expected})")]
+    #[error("{topic} has other ticks than the topics before it: found {found}, expected {expected}")]
     Ticks {
         /// The topic.
         topic: &'static str,

@@ -1,5 +1,6 @@
 //! Opens and verifies the MCAP file of a log, and reads what its index names.
 
+use crate::files::input;
 use crate::log::read::log_error::{LogDamage, LogError};
 use crate::log::read::trajectory::{Attachment, RunInfo};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
@@ -7,6 +8,14 @@ use mcap::{Message, MessageStream, Summary};
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
+
+/// Reads the bytes of a log.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, LogError> {
+    input::read(path, input::UNLIMITED).map_err(|source| LogError::Io { path: path.to_owned(), source })
+}
 
 /// A verified log with its index.
 pub(super) struct LogFile<'a> {
@@ -40,7 +49,7 @@ impl<'a> LogFile<'a> {
     /// Identifies the run.
     pub fn info(&self) -> Result<RunInfo, LogError> {
         let Some(mut run) = self.table("run")? else {
-            return Err(LogError::Foreign { path: self.path.to_owned(), reason: "its metadata have no table `run`" });
+            return Err(LogError::Foreign { path: self.path.to_owned(), reason: "it has no metadata table `run`" });
         };
         let mut entry = |key: &'static str| run.remove(key).ok_or_else(|| self.damage(LogDamage::RunEntry(key)));
         Ok(RunInfo {
@@ -82,7 +91,7 @@ impl<'a> LogFile<'a> {
         Ok(stream.map(move |m| m.map_err(|e| LogError::damaged(path, e))))
     }
 
-    /// The error that this file is damaged.
+    /// An error of this file as damaged.
     pub fn damage(&self, damage: impl Into<LogDamage>) -> LogError {
         LogError::damaged(self.path, damage)
     }
@@ -95,22 +104,22 @@ impl<'a> LogFile<'a> {
     }
 }
 
-/// Longest record of a log, bytes, unless the file itself is longer. In a compressed chunk only the record itself states
-/// its length.
+/// Longest record of a log, bytes, unless the file itself is longer. In a compressed chunk only the
+/// record itself states its length.
 const MAX_RECORD: usize = 256 << 20;
 /// Largest ratio of the length of all records to that of the file.
 const MAX_GROWTH: usize = 1000;
 
-/// Reads all records once, those in chunks included, and verifies their checksums, with those of index and metadata: the
-/// checksums of messages alone do not protect names and offsets. The limits on the length of one record and of all records
-/// keep a small file from filling the memory.
+/// Reads all records once, those in chunks included, and verifies their checksums, with those of
+/// index and metadata: the checksums of messages alone do not protect names and offsets. The limits
+/// on the length of one record and of all records keep a small file from filling the memory.
 fn verify(bytes: &[u8]) -> Result<(), LogDamage> {
     let options = LinearReaderOptions::default()
         .with_record_length_limit(bytes.len().max(MAX_RECORD))
         .with_validate_data_section_crc(true)
         .with_validate_summary_section_crc(true);
     let (mut reader, mut rest) = (LinearReader::new_with_options(options), bytes);
-    let mut left = bytes.len().saturating_mul(MAX_GROWTH).saturating_add(MAX_RECORD);
+    let mut budget = bytes.len().saturating_mul(MAX_GROWTH).saturating_add(MAX_RECORD);
     while let Some(event) = reader.next_event() {
         match event? {
             LinearReadEvent::ReadRequest(length) => {
@@ -118,7 +127,7 @@ fn verify(bytes: &[u8]) -> Result<(), LogDamage> {
                 reader.notify_read(read);
             }
             LinearReadEvent::Record { data, .. } => {
-                left = left.checked_sub(data.len()).ok_or(LogDamage::Inflated(MAX_GROWTH))?;
+                budget = budget.checked_sub(data.len()).ok_or(LogDamage::Inflated(MAX_GROWTH))?;
             }
         }
     }

@@ -1,6 +1,8 @@
-//! Reads a `log.mcap` back: its topics of our own messages as a [`Trajectory`], its frames and shapes as a [`Scene`].
+//! Reads a `log.mcap` back: its topics of our own messages as a [`Trajectory`], its frames and
+//! shapes as a [`Scene`].
 //!
-//! The file is read whole and verified first. Topics that repeat the same data for viewers (ROS 2, markers) are skipped.
+//! The file is read whole and verified first. Topics that repeat the same data for viewers (ROS 2,
+//! markers) are skipped.
 
 mod estimate_series;
 mod log_error;
@@ -13,6 +15,7 @@ mod trajectory_reader;
 
 pub use estimate_series::{EstimateSeries, JointReadings, SoleReadings};
 pub use log_error::{LogDamage, LogError};
+pub use log_file::read_bytes;
 pub use scene::{Frame, Scene};
 pub use self_collision_series::SelfCollisionSeries;
 pub use trajectory::{

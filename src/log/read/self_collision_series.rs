@@ -18,8 +18,9 @@ pub struct SelfCollisionSeries {
     pub tests: Vec<f64>,
     /// Number of joints that avoidance keeps from their desired positions.
     pub frozen: Vec<f64>,
-    /// With avoidance, by joint: name, whether prismatic, and the positions desired by the tasks, rad or m.
-    pub wanted: Vec<(String, bool, Vec<f64>)>,
+    /// With avoidance, by joint: name, whether prismatic, and the positions desired by the tasks,
+    /// rad or m.
+    pub desired: Vec<(String, bool, Vec<f64>)>,
 }
 
 /// Checks that every row has a value for each joint, or that none has.
@@ -36,8 +37,8 @@ pub(super) fn check(rows: &[SelfCollision], joints: usize) -> Result<(), LogDama
 /// Turns rows into columns; they must have passed [`check`].
 pub(super) fn series(joints: &[(String, bool)], rows: &[SelfCollision]) -> SelfCollisionSeries {
     let avoids = rows.first().is_some_and(|r| !r.wanted.is_empty());
-    let wanted = |(j, (name, slides)): (usize, &(String, bool))| {
-        (name.clone(), *slides, rows.iter().map(|r| r.wanted[j]).collect())
+    let desired = |(j, (name, prismatic)): (usize, &(String, bool))| {
+        (name.clone(), *prismatic, rows.iter().map(|r| r.wanted[j]).collect())
     };
     SelfCollisionSeries {
         distance: rows.iter().map(|r| r.distance).collect(),
@@ -45,7 +46,7 @@ pub(super) fn series(joints: &[(String, bool)], rows: &[SelfCollision]) -> SelfC
         points: rows.iter().map(points).collect(),
         tests: rows.iter().map(|r| r.tests as f64).collect(),
         frozen: rows.iter().map(|r| r.frozen.iter().filter(|f| **f).count() as f64).collect(),
-        wanted: joints.iter().enumerate().filter(|_| avoids).map(wanted).collect(),
+        desired: joints.iter().enumerate().filter(|_| avoids).map(desired).collect(),
     }
 }
 

@@ -5,17 +5,19 @@ use crate::log::read::estimate_series::EstimateSeries;
 use crate::log::read::self_collision_series::SelfCollisionSeries;
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// A run, read from its log. A group of topics that the scenario did not log (`log.topics`) is `None`.
+/// A run, read from its log. A group of topics that the scenario did not log (`log.topics`) is
+/// `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trajectory {
     /// Identity of the run.
     pub info: RunInfo,
-    /// True if the run ended by itself; false for a cancelled or failed run, whose series end early.
+    /// True if the run ended by itself; false for a cancelled or failed run, whose series end
+    /// early.
     pub complete: bool,
     /// Scenario, robot file (if there is one), URDF, and other input files of the run.
     pub attachments: Vec<Attachment>,
-    /// Simulated times of the ticks, s, as they were logged: rising, mostly at the log's rate. Empty when the log holds
-    /// neither `state` nor `contact`.
+    /// Simulated times of the ticks, s, as they were logged: rising, mostly at the log's rate.
+    /// Empty when the log has neither `state` nor `contact`.
     pub times: Vec<f64>,
     /// The robot's motion; topic `state`.
     pub motion: Option<Motion>,
@@ -23,9 +25,11 @@ pub struct Trajectory {
     pub soles: Option<Vec<SoleSeries>>,
     /// Residuals of the contact laws and energy balance; topic `contact`. One entry per tick.
     pub residuals: Option<Vec<Residual>>,
-    /// Sensor readings and state estimate, if they can differ from the true state. One entry per tick.
+    /// Sensor readings and state estimate, if they can differ from the true state. One entry per
+    /// tick.
     pub estimate: Option<EstimateSeries>,
-    /// Distances between bodies of the robot, if the scenario has `[self_collision]`. One entry per tick.
+    /// Distances between bodies of the robot, if the scenario has `[self_collision]`. One entry per
+    /// tick.
     pub self_collision: Option<SelfCollisionSeries>,
     /// Events in order of time, at their own instants.
     pub events: Vec<LoggedEvent>,

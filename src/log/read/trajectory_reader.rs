@@ -1,12 +1,11 @@
-//! Reads a [`Trajectory`]: collects the messages of each topic, checks that all have the same ticks and bodies, and turns
-//! rows into columns.
+//! Reads a [`Trajectory`]: collects the messages of each topic, checks that all have the same ticks
+//! and bodies, and turns rows into columns.
 
-use crate::files::input;
 use crate::log::messages::{
     Contact, Estimate, Event, Force, Point, Residual, SelfCollision, Sole, State, Vector3 as VectorMessage,
 };
 use crate::log::read::log_error::{LogDamage, LogError};
-use crate::log::read::log_file::LogFile;
+use crate::log::read::log_file::{LogFile, read_bytes};
 use crate::log::read::message_values::{quaternion, vector, vector_or_zero};
 use crate::log::read::trajectory::{
     Attachment, JointSeries, LoggedEvent, Motion, PointSeries, RunInfo, SoleSeries, Trajectory, VertexSeries,
@@ -20,11 +19,10 @@ impl Trajectory {
     /// Reads a log.
     ///
     /// # Errors
-    /// No such file; a file that is no MCAP or not one of ours; one that was cut short or changed since it was written.
+    /// No such file; a file that is not MCAP or not a log of this program; a log that was truncated
+    /// or changed since it was written.
     pub fn read(path: &Path) -> Result<Self, LogError> {
-        let bytes = input::read(path, input::UNLIMITED);
-        let bytes = bytes.map_err(|source| LogError::Io { path: path.to_owned(), source })?;
-        Self::from_bytes(path, &bytes)
+        Self::from_bytes(path, &read_bytes(path)?)
     }
 
     /// Reads a log from memory; errors name it `path`.
@@ -73,7 +71,7 @@ impl TopicMessages {
         }
         for message in file.messages()? {
             let message = message?;
-            all.take(&message.channel.topic, &message.data)
+            all.decode(&message.channel.topic, &message.data)
                 .map_err(|source| file.damage(LogDamage::Message { topic: message.channel.topic.clone(), source }))?;
         }
         all.align();
@@ -81,7 +79,7 @@ impl TopicMessages {
         Ok(all)
     }
 
-    fn take(&mut self, topic: &str, data: &[u8]) -> Result<(), prost::DecodeError> {
+    fn decode(&mut self, topic: &str, data: &[u8]) -> Result<(), prost::DecodeError> {
         match topic {
             "/state" => self.state.get_or_insert_default().push(State::decode(data)?),
             "/contact" => self.contact.get_or_insert_default().push(Contact::decode(data)?),
@@ -94,7 +92,7 @@ impl TopicMessages {
         Ok(())
     }
 
-    /// Drops the last tick if a run that broke down wrote it on some topics only.
+    /// Drops the last tick if a failed run wrote it on some topics only.
     fn align(&mut self) {
         let counts = [
             self.state.as_ref().map(Vec::len),
@@ -134,11 +132,11 @@ impl TopicMessages {
             let shape = |c: &Contact| c.soles.iter().map(|s| (s.name.clone(), s.positions.len())).collect::<Vec<_>>();
             let first = all.first().map(shape);
             for c in all {
-                let whole = c.soles.iter().all(|s| {
+                let complete = c.soles.iter().all(|s| {
                     let k = s.positions.len();
                     s.clamped.len() == k && s.velocities.len() == k && s.forces.len() == k
                 });
-                if !whole || Some(shape(c)) != first {
+                if !complete || Some(shape(c)) != first {
                     return Err(LogDamage::Soles(c.time));
                 }
             }
@@ -154,13 +152,13 @@ impl TopicMessages {
             same("/self_collision", &mut all.iter().map(|e| e.time))?;
             self_collision_series::check(all, self.joints.len())?;
         }
-        let mut shown: &[Point] = &[];
+        let mut points: &[Point] = &[];
         for s in self.state.iter().flatten() {
             // Tasks started during the run add their points.
-            if s.points.len() < shown.len() || shown.iter().zip(&s.points).any(|(a, b)| a.name != b.name) {
+            if s.points.len() < points.len() || points.iter().zip(&s.points).any(|(a, b)| a.name != b.name) {
                 return Err(LogDamage::Points(s.time));
             }
-            shown = &s.points;
+            points = &s.points;
             let arrays = [&s.q, &s.qd, &s.q_desired, &s.qd_desired, &s.effort];
             if let Some(odd) = arrays.into_iter().find(|a| a.len() != self.joints.len()) {
                 return Err(LogDamage::Joints { time: s.time, found: odd.len(), joints: self.joints.len() });

@@ -1,6 +1,7 @@
-//! Writes `/tf`: the pose of every frame. The parent of each link, moving or welded, is its parent in the URDF, as in ROS,
-//! so that viewers can overlay the URDF. A sole's frame, `sole/NAME`, is a child of its link; its origin is the mean of the
-//! sole's vertices and its axes are those of the link's URDF frame.
+//! Writes `/tf`: the pose of every frame. The parent of each link, moving or welded, is its parent
+//! in the URDF, as in ROS, so that viewers can overlay the URDF. A sole's frame, `sole/NAME`, is a
+//! child of its link; its origin is the mean of the sole's vertices and its axes are those of the
+//! link's URDF frame.
 
 use crate::files::RecordError;
 use crate::log::write::conversion::{quaternion, timestamp, vector};
@@ -10,7 +11,7 @@ use crate::log::write::topic::Topic;
 use crate::robot::Model;
 use crate::sim::Snapshot;
 use foxglove::messages::{FrameTransform, FrameTransforms};
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::Isometry3;
 use std::collections::HashMap;
 
 /// Name of the root frame: `world`, or `map` if a link is called `world`.
@@ -41,7 +42,7 @@ impl FramesTopic {
     }
 }
 
-/// FramesTopic of welded links and soles.
+/// Frames of welded links and soles.
 fn fixed(model: &Model, urdf: &str) -> Vec<FrameTransform> {
     let parents = welds(urdf);
     let mut found = Vec::new();
@@ -54,7 +55,7 @@ fn fixed(model: &Model, urdf: &str) -> Vec<FrameTransform> {
     }
     for sole in &model.soles {
         let link = &model.links[sole.link.0];
-        let mean = sole.vertices.iter().sum::<Vector3<f64>>() / sole.vertices.len().max(1) as f64;
+        let mean = sole.centroid();
         let origin = link.urdf_frame.inverse_transform_point(&mean.into());
         let pose = Isometry3::from_parts(origin.into(), Default::default());
         found.push(transform(&link.name, &format!("sole/{}", sole.name), &pose));
@@ -62,7 +63,8 @@ fn fixed(model: &Model, urdf: &str) -> Vec<FrameTransform> {
     found
 }
 
-/// Parents of the links that fixed joints attach. The model merges chains of them into one link; the URDF has the chain.
+/// Parents of the links that fixed joints attach. The model merges chains of them into one link;
+/// the URDF has the chain.
 fn welds(urdf: &str) -> HashMap<String, String> {
     let Ok(document) = roxmltree::Document::parse(urdf) else { return HashMap::new() };
     let joints = document.root_element().children().filter(|n| n.has_tag_name("joint"));

@@ -1,4 +1,4 @@
-//! The part of a log that does not change over the run.
+//! The part of a log that is constant over the run.
 
 use crate::log::topic_groups::TopicGroups;
 use nalgebra::{Isometry3, Vector3};
@@ -12,7 +12,7 @@ pub struct AttachedText<'a> {
     pub text: &'a str,
 }
 
-/// What a log holds before the first tick.
+/// Data of a log before the first tick.
 #[derive(Clone, Copy, Debug)]
 pub struct LogHeader<'a> {
     /// Name of the scenario.

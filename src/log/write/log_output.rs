@@ -16,7 +16,7 @@ use tempfile::TempPath;
 pub(super) struct LogOutput {
     file: Option<LogFile>,
     sink: Option<Box<dyn MessageSink>>,
-    /// True after the description of the run.
+    /// True once the description of the run is complete.
     described: bool,
     bytes: Vec<u8>,
 }
@@ -41,8 +41,8 @@ impl LogFile {
         let (file, temporary) = atomic::temporary(path)?;
         let writer = WriteOptions::new()
             .library(concat!("stiction ", env!("CARGO_PKG_VERSION")))
-            // For a 25-joint robot, level 1 leaves 3.4 kB a tick (LZ4 4.0, none 9.0) for 3 us more than LZ4.
-            // Runs already occupy every core, so no threads of its own.
+            // For a 25-joint robot, level 1 leaves 3.4 kB a tick (LZ4 4.0, none 9.0) for 3 us more
+            // than LZ4. Runs already occupy every core, so the log has no threads.
             .compression(Some(Compression::Zstd))
             .compression_level(1)
             .compression_threads(0)

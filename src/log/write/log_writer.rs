@@ -15,9 +15,10 @@ use crate::log::write::state_topics::{JointStateTopic, StateTopic};
 use crate::log::write::topic::Topic;
 use crate::log::write::{conversion, scene_shapes};
 use crate::robot::Model;
-use crate::sim::{Observer, SimEvent, Snapshot};
+use crate::sim::{Observer, ObserverError, SimEvent, Snapshot};
 use std::path::Path;
 
+/// Opens the topics of the selected groups.
 fn open_topics(output: &mut LogOutput, model: &Model, header: &LogHeader) -> Result<Vec<Box<dyn Topic>>, RecordError> {
     let mut topics: Vec<Box<dyn Topic>> = Vec::new();
     if header.topics.state {
@@ -38,10 +39,10 @@ fn open_topics(output: &mut LogOutput, model: &Model, header: &LogHeader) -> Res
     Ok(topics)
 }
 
-/// Writes the log of one run. If it is dropped without [`LogWriter::finish`] (a run that panicked), it still closes and
-/// renames the log, and the metadata entry `end` marks it as incomplete.
+/// Writes the log of one run. If it is dropped without [`LogWriter::finish`] (a run that panicked),
+/// it still closes and renames the log, and the metadata entry `end` marks it as incomplete.
 pub struct LogWriter {
-    /// `None` once closed.
+    /// `None` after closing.
     output: Option<LogOutput>,
     /// Time of the last snapshot, ns.
     last: u64,
@@ -54,8 +55,8 @@ pub struct LogWriter {
 }
 
 impl LogWriter {
-    /// Opens a log that will appear at `path`, and writes its fixed part: attachments, metadata, the robot's description
-    /// and shapes. Creates the folder if necessary.
+    /// Opens a log that will appear at `path`, and writes its fixed part: attachments, metadata,
+    /// the robot's description and shapes. Creates the folder if necessary.
     ///
     /// # Errors
     /// The folder or file cannot be written.
@@ -108,7 +109,8 @@ impl LogWriter {
         })
     }
 
-    /// Closes the log and renames it to its final name. For a run of any outcome that ended by itself.
+    /// Closes the log and renames it to its final name. For a run of any outcome that ended by
+    /// itself.
     ///
     /// # Errors
     /// The file cannot be written; then there is no log.
@@ -139,23 +141,23 @@ impl LogWriter {
 }
 
 impl Observer for LogWriter {
-    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), String> {
-        self.check(snapshot).map_err(|e| e.to_string())?;
+    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), ObserverError> {
+        self.check(snapshot).map_err(ObserverError::new)?;
         let Some(output) = &mut self.output else { return Ok(()) };
         // The first snapshot is always written: it opens some topics.
         if self.begun && !output.has_receiver() {
             return Ok(());
         }
         let time = conversion::nanoseconds(snapshot.time);
-        self.topics.iter_mut().try_for_each(|t| t.record(time, snapshot, output)).map_err(|e| e.to_string())?;
+        self.topics.iter_mut().try_for_each(|t| t.record(time, snapshot, output)).map_err(ObserverError::new)?;
         output.end_tick(time);
         (self.last, self.begun) = (time, true);
         Ok(())
     }
 
-    fn event(&mut self, event: &SimEvent) -> Result<(), String> {
+    fn event(&mut self, event: &SimEvent) -> Result<(), ObserverError> {
         let Some(output) = self.output.as_mut().filter(|output| output.has_receiver()) else { return Ok(()) };
-        self.events.record(event, output).map_err(|e| e.to_string())
+        self.events.record(event, output).map_err(ObserverError::new)
     }
 }
 

@@ -1,5 +1,5 @@
-//! Writes `/scene/contact`, redrawn at every tick: force arrows, clamped vertices, centre of mass, centre of pressure,
-//! support polygon, point of optimal stability, and points of tasks.
+//! Writes `/scene/contact`, redrawn at every tick: force arrows, clamped vertices, centre of mass,
+//! centre of pressure, support polygon, point of optimal stability, and points of tasks.
 
 use crate::files::RecordError;
 use crate::log::write::conversion::{colour, point, pose, pose_at, timestamp};
@@ -142,7 +142,8 @@ fn arrow(at: &Vector3<f64>, force: &Vector3<f64>, metres_per_newton: f64, rgba: 
     if !(length > 1e-3 && length.is_finite()) {
         return None;
     }
-    // An arrow points along x. A force along -x has no unique shortest rotation; it is turned about z.
+    // An arrow points along x. A force along -x has no unique shortest rotation; it is turned about
+    // z.
     let rotation = UnitQuaternion::rotation_between(&Vector3::x(), force)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI));
     let width = (0.06 * length).clamp(0.002, 0.02);

@@ -21,12 +21,15 @@ pub struct ChannelInfo {
 
 /// Receives the messages of a log in addition to its file, or instead of one.
 ///
-/// The simulating thread calls it, so an implementation must not block; it drops the messages that it cannot take.
+/// The simulating thread calls it, so an implementation must not block; it drops the messages that
+/// it cannot take.
 pub trait MessageSink: Send {
-    /// Opens a topic and returns the number that identifies it in the calls below. The robot's description and most topics
-    /// come before [`end_description`](Self::end_description); a topic that depends on the run opens with its first message.
+    /// Opens a topic and returns the number that identifies it in the calls below. The robot's
+    /// description and most topics come before [`end_description`](Self::end_description); a topic
+    /// that depends on the run opens with its first message.
     fn open_channel(&mut self, channel: &ChannelInfo) -> u32;
-    /// Ends the description of the run. Messages up to here are valid for the whole run, so later subscribers get them too.
+    /// Ends the description of the run. Messages up to here are valid for the whole run, so later
+    /// subscribers get them too.
     fn end_description(&mut self);
     /// True if any topic has a subscriber. If none has, nothing is encoded.
     fn has_subscribers(&self) -> bool;

@@ -1,11 +1,13 @@
 //! Writes a log: the fixed part first, then one message per topic and tick.
 //!
-//! A log serves viewers and programs. Each viewer finds what it draws: frames and scene in Foxglove's protobuf messages,
-//! joint states and robot description in ROS 2's CDR, and the tick record in packed protobuf messages of our own. The file
-//! describes all of them. The log time is the simulated time in nanoseconds; no clock, host name or random number enters,
-//! so equal runs give equal bytes.
+//! A log serves viewers and programs. Each viewer finds what it draws: frames and scene in
+//! Foxglove's protobuf messages, joint states and robot description in ROS 2's CDR, and the tick
+//! record in packed protobuf messages of our own. The file describes all of them. The log time is
+//! the simulated time in nanoseconds; no clock, host name or random number enters, so equal runs
+//! give equal bytes.
 //!
-//! A new topic is a file with a type that implements `Topic`, and a line in `open_topics` of `log_writer.rs`.
+//! A new topic is a file with a type that implements `Topic`, and a line in `open_topics` of
+//! `log_writer.rs`.
 
 mod contact_topic;
 mod conversion;

@@ -1,6 +1,7 @@
-//! Writes `/scene` once: the robot's shapes, fixed to the frames of its links, and the floor. Viewers keep an entity until
-//! one of the same name replaces it. Markers have a topic of their own (`marker_topic.rs`), so that a viewer that jumps to a
-//! time and reads only the last message of each topic still shows the robot.
+//! Writes `/scene` once: the robot's shapes, fixed to the frames of its links, and the floor.
+//! Viewers keep an entity until one of the same name replaces it. Markers have a topic of their own
+//! (`marker_topic.rs`), so that a viewer that jumps to a time and reads only the last message of
+//! each topic still shows the robot.
 
 use crate::files::RecordError;
 use crate::log::write::conversion::{colour, point, pose, timestamp};

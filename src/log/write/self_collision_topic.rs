@@ -44,7 +44,7 @@ impl Topic for SelfCollisionTopic {
         }
         (m.cycles, m.tests) = (now.cycles, now.tests);
         m.frozen.clone_from(&now.frozen);
-        m.wanted.clone_from(&now.wanted);
+        m.wanted.clone_from(&now.desired);
         output.send(channel, time, m)
     }
 }

@@ -1,5 +1,5 @@
-//! Writes `/state`, the motion of the whole robot, and the same joints as ROS 2 messages on `/joint_states`, with
-//! `/robot_description`.
+//! Writes `/state`, the motion of the whole robot, and the same joints as ROS 2 messages on
+//! `/joint_states`, with `/robot_description`.
 
 use crate::files::RecordError;
 use crate::log::messages::{Force, Quaternion, State};

@@ -4,7 +4,8 @@ use crate::files::RecordError;
 use crate::log::write::log_output::LogOutput;
 use crate::sim::Snapshot;
 
-/// A topic with one message per tick. Implementations keep their message and refill it, so that writing does not allocate.
+/// A topic with one message per tick. Implementations keep their message and refill it, so that
+/// writing does not allocate.
 pub(super) trait Topic: Send {
     /// Writes the message of a snapshot; `time` in nanoseconds.
     fn record(&mut self, time: u64, snapshot: &Snapshot, output: &mut LogOutput) -> Result<(), RecordError>;

@@ -36,12 +36,13 @@ const TIMES: [f64; 6] = [0.2, 0.5, 1.3, 1.5, 2.6, 3.0];
 const VALUES: [f64; 6] = [0.3, -0.4, 1.1, 0.9, 0.2, 0.3];
 
 fn all() -> [Spline; 3] {
-    [Ends::Natural, Ends::Clamped, Ends::Periodic].map(|ends| Spline::new(TIMES.to_vec(), &VALUES, ends).unwrap())
+    [EndConditions::Natural, EndConditions::Clamped, EndConditions::Periodic]
+        .map(|ends| Spline::new(TIMES.to_vec(), &VALUES, ends).unwrap())
 }
 
 #[test]
 fn two_knots_clamped_are_the_minimum_jerk_path() {
-    let spline = Spline::new(vec![1.0, 3.0], &[0.5, -0.25], Ends::Clamped).unwrap();
+    let spline = Spline::new(vec![1.0, 3.0], &[0.5, -0.25], EndConditions::Clamped).unwrap();
     for k in 0..=20 {
         let s = f64::from(k) / 20.0;
         let expected = 0.5 - 0.75 * s * s * s * (10.0 + s * (6.0 * s - 15.0));
@@ -55,11 +56,11 @@ fn two_knots_clamped_are_the_minimum_jerk_path() {
 }
 
 #[test]
-fn knots_are_met_and_four_derivatives_are_continuous() {
+fn knots_are_interpolated_and_four_derivatives_are_continuous() {
     for spline in all() {
         let scale = jerk(&spline).sqrt();
         for (time, value) in TIMES.into_iter().zip(VALUES) {
-            // The value is the knot's own but for the rounding of a sum.
+            // Rounding of a sum.
             assert!((at(&spline, time).q - value).abs() < 1e-15 * 8.0);
         }
         for i in 0..TIMES.len() - 2 {
@@ -94,24 +95,27 @@ fn end_conditions_hold() {
 /// is exactly quadratic, so both signs agree.
 #[test]
 fn the_jerk_is_least() {
-    for (spline, ends) in all().into_iter().zip([Ends::Natural, Ends::Clamped, Ends::Periodic]) {
+    for (spline, ends) in
+        all().into_iter().zip([EndConditions::Natural, EndConditions::Clamped, EndConditions::Periodic])
+    {
         let least = jerk(&spline);
         let n = TIMES.len();
         for i in 0..n {
-            if ends == Ends::Clamped && (i == 0 || i == n - 1) {
+            if ends == EndConditions::Clamped && (i == 0 || i == n - 1) {
                 continue;
             }
             for (v, a) in [(0.1, 0.0), (0.0, 0.3), (0.02, -0.1)] {
-                let moved = |sign: f64| {
+                let excess = |sign: f64| {
                     let mut other = spline.clone();
-                    let twins = if ends == Ends::Periodic && i % (n - 1) == 0 { vec![0, n - 1] } else { vec![i] };
-                    for k in twins {
+                    let knots =
+                        if ends == EndConditions::Periodic && i % (n - 1) == 0 { vec![0, n - 1] } else { vec![i] };
+                    for k in knots {
                         other.knots[k].v += sign * v;
                         other.knots[k].a += sign * a;
                     }
                     jerk(&other) - least
                 };
-                let (plus, minus) = (moved(1.0), moved(-1.0));
+                let (plus, minus) = (excess(1.0), excess(-1.0));
                 assert!(plus > 0.0 && minus > 0.0, "{ends:?} {i}: {plus} {minus}");
                 // The slope of the jerk there is zero except for the cancellation of `least`.
                 assert!((plus - minus).abs() < 1e-11 * (least + plus), "{ends:?} {i}: {plus} {minus}");
@@ -124,7 +128,7 @@ fn the_jerk_is_least() {
 fn natural_ends_reproduce_parabolas_and_mirrors_are_mirrored() {
     let parabola = |t: f64| 0.3 - 0.7 * t + 0.4 * t * t;
     let values: Vec<f64> = TIMES.iter().map(|t| parabola(*t)).collect();
-    let spline = Spline::new(TIMES.to_vec(), &values, Ends::Natural).unwrap();
+    let spline = Spline::new(TIMES.to_vec(), &values, EndConditions::Natural).unwrap();
     for k in 0..=100 {
         let t = 0.2 + 2.8 * f64::from(k) / 100.0;
         let p = at(&spline, t);
@@ -133,7 +137,9 @@ fn natural_ends_reproduce_parabolas_and_mirrors_are_mirrored() {
             (p.q - parabola(t)).abs() < 1e-13 && (p.v - (0.8 * t - 0.7)).abs() < 1e-12 && (p.a - 0.8).abs() < 1e-11
         );
     }
-    for (spline, ends) in all().into_iter().zip([Ends::Natural, Ends::Clamped, Ends::Periodic]) {
+    for (spline, ends) in
+        all().into_iter().zip([EndConditions::Natural, EndConditions::Clamped, EndConditions::Periodic])
+    {
         let times: Vec<f64> = TIMES.iter().rev().map(|t| 3.2 - t).collect();
         let values: Vec<f64> = VALUES.iter().rev().copied().collect();
         let mirror = Spline::new(times, &values, ends).unwrap();
@@ -151,12 +157,13 @@ fn natural_ends_reproduce_parabolas_and_mirrors_are_mirrored() {
 #[test]
 fn the_error_is_of_order_six() {
     type Function = fn(f64) -> f64;
-    let cases: [(Ends, Function); 2] = [(Ends::Clamped, |t| t - t.sin()), (Ends::Periodic, |t| (t + 0.4).sin())];
+    let cases: [(EndConditions, Function); 2] =
+        [(EndConditions::Clamped, |t| t - t.sin()), (EndConditions::Periodic, |t| (t + 0.4).sin())];
     for (ends, f) in cases {
         let error = |n: usize| {
             let times: Vec<f64> = (0..=n).map(|i| std::f64::consts::TAU * i as f64 / n as f64).collect();
             let mut values: Vec<f64> = times.iter().map(|t| f(*t)).collect();
-            if ends == Ends::Periodic {
+            if ends == EndConditions::Periodic {
                 values[n] = values[0];
             }
             let spline = Spline::new(times, &values, ends).unwrap();
@@ -184,9 +191,9 @@ fn velocities_are_derivatives_and_ends_are_at_rest() {
         assert_eq!(at(&spline, 0.1), TrajectoryPoint { q: 0.3, v: 0.0, a: 0.0 });
         assert_eq!(at(&spline, 3.1), TrajectoryPoint { q: 0.3, v: 0.0, a: 0.0 });
     }
-    let alone = Spline::new(vec![1.0], &[0.7], Ends::Natural).unwrap();
+    let alone = Spline::new(vec![1.0], &[0.7], EndConditions::Natural).unwrap();
     assert_eq!(at(&alone, 1.0), TrajectoryPoint { q: 0.7, v: 0.0, a: 0.0 });
-    let line = Spline::new(vec![1.0, 3.0], &[0.0, 1.0], Ends::Natural).unwrap();
+    let line = Spline::new(vec![1.0, 3.0], &[0.0, 1.0], EndConditions::Natural).unwrap();
     assert_eq!(at(&line, 2.0), TrajectoryPoint { q: 0.5, v: 0.5, a: 0.0 });
 }
 
@@ -216,9 +223,9 @@ fn extremes_agree_with_dense_sampling() {
 fn invalid_knots_are_refused() {
     let refused =
         |times: &[f64], values: &[f64], ends| Spline::new(times.to_vec(), values, ends).unwrap_err().to_string();
-    assert!(refused(&[], &[], Ends::Natural).contains("0 times and 0 values"));
-    assert!(refused(&[0.0, 1.0], &[0.0], Ends::Natural).contains("2 times and 1 values"));
-    assert!(refused(&[0.0, 0.0], &[0.0, 1.0], Ends::Natural).contains("time 0 follows 0"));
-    assert!(refused(&[0.0, f64::NAN], &[0.0, 1.0], Ends::Natural).contains("NaN"));
-    assert!(refused(&[0.0, 1.0], &[0.0, 1.0], Ends::Periodic).contains("first value 0, not at 1"));
+    assert!(refused(&[], &[], EndConditions::Natural).contains("0 times and 0 values"));
+    assert!(refused(&[0.0, 1.0], &[0.0], EndConditions::Natural).contains("2 times and 1 values"));
+    assert!(refused(&[0.0, 0.0], &[0.0, 1.0], EndConditions::Natural).contains("but 0 follows 0"));
+    assert!(refused(&[0.0, f64::NAN], &[0.0, 1.0], EndConditions::Natural).contains("NaN"));
+    assert!(refused(&[0.0, 1.0], &[0.0, 1.0], EndConditions::Periodic).contains("first value 0, not at 1"));
 }

@@ -1,10 +1,10 @@
-//! Little-endian numbers, one after the other.
+//! Reads and writes sequences of little-endian numbers.
 
 use nalgebra::Vector3;
 
-use crate::remote::wire::Refused;
+use crate::remote::wire::Rejection;
 
-/// Takes numbers off the front.
+/// Reads numbers from the front.
 pub struct Reader<'a>(pub &'a [u8]);
 
 impl Reader<'_> {
@@ -31,24 +31,24 @@ impl Reader<'_> {
     }
 
     /// A finite number.
-    pub fn number(&mut self) -> Result<f64, Refused> {
-        let value = self.f64().ok_or(Refused::Length)?;
-        if value.is_finite() { Ok(value) } else { Err(Refused::Value) }
+    pub fn number(&mut self) -> Result<f64, Rejection> {
+        let value = self.f64().ok_or(Rejection::Length)?;
+        if value.is_finite() { Ok(value) } else { Err(Rejection::Value) }
     }
 
-    pub fn numbers(&mut self, to: &mut [f64]) -> Result<(), Refused> {
+    pub fn numbers(&mut self, to: &mut [f64]) -> Result<(), Rejection> {
         to.iter_mut().try_for_each(|to| self.number().map(|value| *to = value))
     }
 
-    pub fn vector(&mut self) -> Result<Vector3<f64>, Refused> {
+    pub fn vector(&mut self) -> Result<Vector3<f64>, Rejection> {
         let mut v = Vector3::zeros();
         self.numbers(v.as_mut_slice())?;
         Ok(v)
     }
 
-    /// Nothing may be left.
-    pub fn done(self) -> Result<(), Refused> {
-        if self.0.is_empty() { Ok(()) } else { Err(Refused::Length) }
+    /// An error if bytes remain.
+    pub fn done(self) -> Result<(), Rejection> {
+        if self.0.is_empty() { Ok(()) } else { Err(Rejection::Length) }
     }
 }
 

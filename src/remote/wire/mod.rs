@@ -1,33 +1,35 @@
-//! Packets between a task and a robot: one datagram each, little-endian, fixed layout. `docs/wire.md` is the same for people.
+//! Encodes and decodes the packets of a link: one datagram each, little-endian, fixed layout,
+//! specified in `docs/wire.md`.
 //!
 //! ```text
 //! 0  "stic"          4 bytes
 //! 4  version         u16, 1
 //! 6  kind            u8, see Kind
 //! 7  flags           u8, see flags
-//! 8  length          u32, of the datagram with its seal
+//! 8  length          u32, of the datagram with its tag
 //! 12 (zero)          u32
 //! 16 session         u64
 //! 24 sequence        u64, of its sender in this session, from 1 on
 //! 32 tick            u64, of the control clock
 //! 40 time            f64, the sender's clock, s
 //! 48 body
-//!    seal            32 bytes, when the packet is sealed
+//!    tag             32 bytes, if the packet is authenticated
 //! ```
 //!
-//! What is read is held against what the robot has before any of it is used: a packet that is cut short, of another version or
-//! length, for other joints, with a number that is not finite or with a wrong seal is [`Refused`], as a whole.
+//! A packet is validated before any of it is used. One that is truncated, of another version or
+//! length, for other joints, with a number that is not finite or with a wrong authentication tag is
+//! rejected as a whole ([`Rejection`]).
 
+mod authentication;
 mod bytes;
 mod control;
-mod greeting;
-mod seal;
+mod handshake;
 mod sensing;
 
+pub use authentication::{Key, MIN_SECRET};
 use bytes::{Reader, Writer};
 pub use control::{read_control, write_control};
-pub use greeting::{Hello, Welcome, fingerprint};
-pub use seal::{Key, SHORTEST_SECRET};
+pub use handshake::{Hello, Welcome, fingerprint};
 pub use sensing::{read_sensing, write_sensing};
 
 /// Version of the format.
@@ -36,34 +38,34 @@ pub const VERSION: u16 = 1;
 pub const MAGIC: [u8; 4] = *b"stic";
 /// Bytes before the body.
 pub const HEADER: usize = 48;
-/// Most bytes of a datagram.
-pub const LONGEST: usize = 65_507;
+/// Largest length of a datagram, bytes.
+pub const MAX_DATAGRAM: usize = 65_507;
 
 /// Bits of the header's flags.
 pub mod flags {
-    /// A seal follows the body.
-    pub const SEALED: u8 = 1;
-    /// Of sensing: the base's pose and velocity are in it.
+    /// An authentication tag follows the body.
+    pub const AUTHENTICATED: u8 = 1;
+    /// Sensing: contains pose and velocity of the base.
     pub const BASE: u8 = 2;
-    /// Of sensing: forces on the vertices of each sole are in it.
+    /// Sensing: contains the forces on the vertices of each sole.
     pub const VERTICES: u8 = 4;
-    /// Of sensing: the run there is over, this is its last word.
+    /// Sensing: the last packet of the run.
     pub const LAST: u8 = 8;
-    /// All there are.
-    pub const ALL: u8 = SEALED | BASE | VERTICES | LAST;
+    /// All flags.
+    pub const ALL: u8 = AUTHENTICATED | BASE | VERTICES | LAST;
 }
 
-/// What a packet is.
+/// Kind of a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Kind {
-    /// A task's side asks for a session.
+    /// The task side requests a session.
     Hello = 1,
-    /// The robot's side grants it.
+    /// The robot side grants it.
     Welcome = 2,
-    /// What the joints are asked to do.
+    /// Joint commands.
     Control = 3,
-    /// What the sensors say.
+    /// Sensor readings.
     Sensing = 4,
     /// The sender ends the session.
     Bye = 5,
@@ -75,16 +77,16 @@ impl Kind {
     }
 }
 
-/// What every packet begins with.
+/// Header of every packet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Header {
-    /// What it is.
+    /// Kind of the packet.
     pub kind: Kind,
     /// See [`flags`].
     pub flags: u8,
-    /// The session; of a hello, a number by which its sender knows the answer.
+    /// Session number; in a hello, a number that the welcome repeats.
     pub session: u64,
-    /// Number of the packet among those of its sender in this session, from 1.
+    /// Sequence number of its sender in this session, from 1.
     pub sequence: u64,
     /// Tick of the control clock.
     pub tick: u64,
@@ -92,52 +94,52 @@ pub struct Header {
     pub time: f64,
 }
 
-/// Why a packet is not acted on.
+/// Why a packet is rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Refused {
-    /// Shorter or longer than it says, or than its kind is for this robot.
+pub enum Rejection {
+    /// Its length is not as stated, or not that of its kind for this robot.
     Length,
-    /// Does not begin as a packet does, or is of an unknown kind.
+    /// It lacks the magic bytes or is of an unknown kind.
     Foreign,
     /// Another version of the format.
     Version,
-    /// A number in it is not finite, or no number that can stand there.
+    /// A value is not finite or not valid in its position.
     Value,
-    /// No seal where one is needed, one where none is, or a wrong one.
-    Seal,
-    /// Of another session.
+    /// The authentication tag is missing, unexpected or wrong.
+    Tag,
+    /// It belongs to another session.
     Session,
-    /// Was there before, or is older than what was acted on.
+    /// It is a duplicate, or older than an accepted packet.
     Replayed,
 }
 
-impl Refused {
-    /// All there are.
-    pub const ALL: [Refused; 7] = [
-        Refused::Length,
-        Refused::Foreign,
-        Refused::Version,
-        Refused::Value,
-        Refused::Seal,
-        Refused::Session,
-        Refused::Replayed,
+impl Rejection {
+    /// All reasons.
+    pub const ALL: [Rejection; 7] = [
+        Rejection::Length,
+        Rejection::Foreign,
+        Rejection::Version,
+        Rejection::Value,
+        Rejection::Tag,
+        Rejection::Session,
+        Rejection::Replayed,
     ];
 
-    /// A word for it.
+    /// Short text of it.
     pub fn name(self) -> &'static str {
         match self {
-            Refused::Length => "wrong length",
-            Refused::Foreign => "foreign",
-            Refused::Version => "other version",
-            Refused::Value => "impossible value",
-            Refused::Seal => "wrong seal",
-            Refused::Session => "other session",
-            Refused::Replayed => "late or replayed",
+            Rejection::Length => "wrong length",
+            Rejection::Foreign => "foreign",
+            Rejection::Version => "other version",
+            Rejection::Value => "invalid value",
+            Rejection::Tag => "wrong authentication tag",
+            Rejection::Session => "other session",
+            Rejection::Replayed => "late or replayed",
         }
     }
 }
 
-/// Begins a packet in `out`, which it empties.
+/// Clears `out` and writes the header of a packet.
 pub fn begin(header: &Header, out: &mut Vec<u8>) {
     out.clear();
     let mut w = Writer(out);
@@ -152,60 +154,60 @@ pub fn begin(header: &Header, out: &mut Vec<u8>) {
     w.f64(header.time);
 }
 
-/// Ends it: its length, and the seal where there is a key.
+/// Completes a packet: writes its length and, with a key, its tag.
 pub fn end(key: Option<&Key>, out: &mut Vec<u8>) {
-    let seal = if key.is_some() { seal::SIZE } else { 0 };
-    let length = (out.len() + seal) as u32;
+    let tag = if key.is_some() { authentication::TAG_SIZE } else { 0 };
+    let length = (out.len() + tag) as u32;
     out[8..12].copy_from_slice(&length.to_le_bytes());
     if let Some(key) = key {
-        out[7] |= flags::SEALED;
-        let seal = key.seal(out);
-        out.extend_from_slice(&seal);
+        out[7] |= flags::AUTHENTICATED;
+        let tag = key.tag(out);
+        out.extend_from_slice(&tag);
     }
 }
 
-/// Takes a datagram apart: header and body. Nothing of it is to be used but what this returns.
+/// Validates a datagram and returns its header and body.
 ///
 /// # Errors
-/// See [`Refused`]; the seal is looked at before anything that it covers is believed.
-pub fn open<'a>(datagram: &'a [u8], key: Option<&Key>) -> Result<(Header, &'a [u8]), Refused> {
+/// See [`Rejection`]; the tag is verified before the values that it covers are used.
+pub fn open<'a>(datagram: &'a [u8], key: Option<&Key>) -> Result<(Header, &'a [u8]), Rejection> {
     let mut r = Reader(datagram);
-    let magic = r.bytes::<4>().ok_or(Refused::Length)?;
+    let magic = r.bytes::<4>().ok_or(Rejection::Length)?;
     if magic != MAGIC {
-        return Err(Refused::Foreign);
+        return Err(Rejection::Foreign);
     }
-    let version = r.u16().ok_or(Refused::Length)?;
+    let version = r.u16().ok_or(Rejection::Length)?;
     if version != VERSION {
-        return Err(Refused::Version);
+        return Err(Rejection::Version);
     }
-    let [kind, set] = r.bytes::<2>().ok_or(Refused::Length)?;
-    let length = r.u32().ok_or(Refused::Length)?;
-    let zero = r.u32().ok_or(Refused::Length)?;
+    let [kind, set] = r.bytes::<2>().ok_or(Rejection::Length)?;
+    let length = r.u32().ok_or(Rejection::Length)?;
+    let zero = r.u32().ok_or(Rejection::Length)?;
     if length as usize != datagram.len() || datagram.len() < HEADER {
-        return Err(Refused::Length);
+        return Err(Rejection::Length);
     }
-    let kind = Kind::of(kind).ok_or(Refused::Foreign)?;
-    let own = if kind == Kind::Sensing { flags::ALL } else { flags::SEALED };
-    if zero != 0 || set & !own != 0 {
-        return Err(Refused::Value);
+    let kind = Kind::of(kind).ok_or(Rejection::Foreign)?;
+    let allowed = if kind == Kind::Sensing { flags::ALL } else { flags::AUTHENTICATED };
+    if zero != 0 || set & !allowed != 0 {
+        return Err(Rejection::Value);
     }
-    let sealed = set & flags::SEALED != 0;
-    if sealed != key.is_some() {
-        return Err(Refused::Seal);
+    let authenticated = set & flags::AUTHENTICATED != 0;
+    if authenticated != key.is_some() {
+        return Err(Rejection::Tag);
     }
     let mut end = datagram.len();
     if let Some(key) = key {
-        end = end.checked_sub(seal::SIZE).filter(|end| *end >= HEADER).ok_or(Refused::Length)?;
-        if !key.fits(&datagram[..end], &datagram[end..]) {
-            return Err(Refused::Seal);
+        end = end.checked_sub(authentication::TAG_SIZE).filter(|end| *end >= HEADER).ok_or(Rejection::Length)?;
+        if !key.verifies(&datagram[..end], &datagram[end..]) {
+            return Err(Rejection::Tag);
         }
     }
-    let short = Refused::Length;
+    let short = Rejection::Length;
     let (session, sequence) = (r.u64().ok_or(short)?, r.u64().ok_or(short)?);
     let tick = r.u64().ok_or(short)?;
     let time = r.f64().ok_or(short)?;
     if !time.is_finite() {
-        return Err(Refused::Value);
+        return Err(Rejection::Value);
     }
     Ok((Header { kind, flags: set, session, sequence, tick, time }, &datagram[HEADER..end]))
 }

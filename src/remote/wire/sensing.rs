@@ -1,28 +1,31 @@
-//! The body of a sensing packet.
+//! Writes and reads the body of a sensing packet.
 //!
 //! ```text
 //! joints n, soles m      u32 each
-//! position, velocity, load: each n f64, rad or m, per s, N m or N
+//! position               n f64, rad or m
+//! velocity               n f64, rad/s or m/s
+//! load                   n f64, N m or N
 //! orientation            4 f64, quaternion w x y z, world from IMU
 //! angular velocity       3 f64, IMU axes, rad/s
 //! specific force         3 f64, IMU axes, m/s^2
-//! with flag BASE         position 3, quaternion 4, velocity 3, angular velocity 3, of the base, world
+//! with flag BASE         position 3, quaternion 4, velocity 3, angular velocity 3 f64, of the base
+//!                        in the world
 //! for each sole          force 3, mean force since the last tick 3, N, moment 3, N m, world
 //!   with flag VERTICES   number k u32, then k times force 3, N, and clamped u8, 0 or 1
-//!   without it           loaded u8, 0 or 1: does the sole carry enough to be taken to stand
+//!   without it           loaded u8, 0 or 1: 1 if the sole's load suffices for stance
 //! ```
 
 use nalgebra::{Quaternion, UnitQuaternion};
 
 use crate::dynamics::chain::FrameMotion;
-use crate::remote::wire::{Header, Reader, Refused, Writer, flags};
-use crate::task::Sensed;
+use crate::remote::wire::{Header, Reader, Rejection, Writer, flags};
+use crate::task::SensorReadings;
 
-/// How far the length of a quaternion may be from 1.
+/// Tolerance of a quaternion's norm.
 const UNIT: f64 = 1e-6;
 
-/// Appends the body for `sensed`; gives the flags that belong to it.
-pub fn write_sensing(sensed: &Sensed, out: &mut Vec<u8>) -> u8 {
+/// Appends the body of `sensed` and returns its flags.
+pub fn write_sensing(sensed: &SensorReadings, out: &mut Vec<u8>) -> u8 {
     let mut set = 0;
     let mut w = Writer(out);
     w.u32(sensed.position.len() as u32);
@@ -55,7 +58,7 @@ pub fn write_sensing(sensed: &Sensed, out: &mut Vec<u8>) -> u8 {
                 w.bytes(&[u8::from(*clamped)]);
             }
         } else {
-            // Sensors that do not resolve a sole say the same of all of its vertices.
+            // Sensors that do not resolve a sole report the same for all of its vertices.
             w.bytes(&[u8::from(sole.clamped.first().is_some_and(|clamped| *clamped))]);
         }
     }
@@ -66,31 +69,31 @@ fn rotation(rotation: &UnitQuaternion<f64>, w: &mut Writer) {
     w.numbers(&[rotation.w, rotation.i, rotation.j, rotation.k]);
 }
 
-fn flag(r: &mut Reader) -> Result<bool, Refused> {
-    match r.bytes::<1>().ok_or(Refused::Length)? {
+fn flag(r: &mut Reader) -> Result<bool, Rejection> {
+    match r.bytes::<1>().ok_or(Rejection::Length)? {
         [0] => Ok(false),
         [1] => Ok(true),
-        _ => Err(Refused::Value),
+        _ => Err(Rejection::Value),
     }
 }
 
-fn read_rotation(r: &mut Reader) -> Result<UnitQuaternion<f64>, Refused> {
+fn read_rotation(r: &mut Reader) -> Result<UnitQuaternion<f64>, Rejection> {
     let [w, i, j, k] = [r.number()?, r.number()?, r.number()?, r.number()?];
-    let read = Quaternion::new(w, i, j, k);
-    // Not made a unit anew: both sides are to hold the same bits.
-    if (read.norm() - 1.0).abs() <= UNIT { Ok(UnitQuaternion::new_unchecked(read)) } else { Err(Refused::Value) }
+    let q = Quaternion::new(w, i, j, k);
+    // Not normalised again: both sides must hold the same bits.
+    if (q.norm() - 1.0).abs() <= UNIT { Ok(UnitQuaternion::new_unchecked(q)) } else { Err(Rejection::Value) }
 }
 
 /// Reads a body into `sensed`, which has the robot's size. Allocates nothing.
 ///
 /// # Errors
-/// See [`Refused`]; `sensed` is then not to be used.
-pub fn read_sensing(header: &Header, body: &[u8], sensed: &mut Sensed) -> Result<(), Refused> {
+/// See [`Rejection`]; `sensed` is then partly overwritten.
+pub fn read_sensing(header: &Header, body: &[u8], sensed: &mut SensorReadings) -> Result<(), Rejection> {
     let mut r = Reader(body);
-    let joints = r.u32().ok_or(Refused::Length)? as usize;
-    let soles = r.u32().ok_or(Refused::Length)? as usize;
+    let joints = r.u32().ok_or(Rejection::Length)? as usize;
+    let soles = r.u32().ok_or(Rejection::Length)? as usize;
     if joints != sensed.position.len() || soles != sensed.soles.len() {
-        return Err(Refused::Length);
+        return Err(Rejection::Length);
     }
     sensed.time = header.time;
     for column in [&mut sensed.position, &mut sensed.velocity, &mut sensed.load] {
@@ -114,8 +117,8 @@ pub fn read_sensing(header: &Header, body: &[u8], sensed: &mut Sensed) -> Result
             sole.clamped.fill(loaded);
             continue;
         }
-        if r.u32().ok_or(Refused::Length)? as usize != sole.vertices.len() {
-            return Err(Refused::Length);
+        if r.u32().ok_or(Rejection::Length)? as usize != sole.vertices.len() {
+            return Err(Rejection::Length);
         }
         for (force, clamped) in sole.vertices.iter_mut().zip(&mut sole.clamped) {
             *force = r.vector()?;

@@ -3,26 +3,26 @@
 use std::fmt::{self, Display, Formatter};
 
 use crate::results::compare::Changes;
-use crate::text::text_table::{Side, TextTable};
+use crate::text::text_table::{Alignment, TextTable};
 use crate::text::visible::visible;
 
 /// Number of differences that are listed.
-const MOST: usize = 50;
+const MAX_LISTED: usize = 50;
 
 impl Display for Changes {
     /// Missing runs, outcomes, values beyond the tolerances, columns that differ, and counts.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         for (rows, side) in [(&self.only_in_a, "A"), (&self.only_in_b, "B")] {
-            rows.iter().take(MOST).try_for_each(|run| writeln!(f, "only in {side}: {}", visible(run)))?;
+            rows.iter().take(MAX_LISTED).try_for_each(|run| writeln!(f, "only in {side}: {}", visible(run)))?;
             more(f, rows.len(), "runs")?;
         }
-        for change in self.outcomes.iter().take(MOST) {
+        for change in self.outcomes.iter().take(MAX_LISTED) {
             writeln!(f, "outcome: {}: {} in A, {} in B", visible(&change.run), change.a, change.b)?;
         }
         more(f, self.outcomes.len(), "outcomes")?;
         if !self.beyond.is_empty() {
             let header = ["beyond", "run", "A", "B", "distance", "allowed"];
-            let lines = self.beyond.iter().take(MOST).map(|d| {
+            let lines = self.beyond.iter().take(MAX_LISTED).map(|d| {
                 let cell = |text: &str| if text.is_empty() { "-".to_owned() } else { text.to_owned() };
                 let distance = d.distance.map_or("-".to_owned(), |x| format!("{x:.2e}"));
                 vec![
@@ -66,14 +66,14 @@ impl Display for Changes {
 
 fn aligned(header: &[&str], lines: impl Iterator<Item = Vec<String>>) -> String {
     let text = if header.contains(&"run") { 2 } else { 1 };
-    let side = |column: usize| if column < text { Side::Left } else { Side::Right };
+    let side = |column: usize| if column < text { Alignment::Left } else { Alignment::Right };
     let mut table = TextTable::new(header.iter().enumerate().map(|(column, name)| (*name, side(column))));
     lines.for_each(|line| table.push(line));
     table.render(usize::MAX)
 }
 
 fn more(f: &mut Formatter<'_>, count: usize, what: &str) -> fmt::Result {
-    match count.saturating_sub(MOST) {
+    match count.saturating_sub(MAX_LISTED) {
         0 => Ok(()),
         n => writeln!(f, "and {n} more {what}; --format json has all"),
     }

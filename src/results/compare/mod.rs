@@ -1,13 +1,15 @@
 //! Compares two results: the same runs before and after a change of the program or of the machine.
 //!
 //! ```text
-//! two files -> Results -> row_pairs (rows of the same run) -> compare (column by column, against Limits) -> Changes
+//! two files -> Results -> row_pairs (same run) -> compare (by column, with Limits) -> Changes
 //! ```
 //!
-//! Two numbers agree when `|a - b| <= absolute + relative max(|a|, |b|)`. Equal infinities agree, and so do two NaN; an empty
-//! cell agrees with an empty one only. Times are not results: they are compared only on request.
+//! Two numbers agree when `|a - b| <= absolute + relative max(|a|, |b|)`. Equal infinities agree,
+//! and so do two NaN; an empty cell agrees with an empty one only. Times are not results: they are
+//! compared only on request.
 //!
-//! Imports `metrics`, `files`, `text` and the terminal table of `results`. `runner compare` calls it.
+//! Imports `metrics`, `files`, `text` and the terminal table of `results`. `runner compare` calls
+//! it.
 
 mod changes_text;
 mod results_file;
@@ -16,7 +18,7 @@ mod tolerance;
 
 use serde::Serialize;
 
-pub use results_file::{ResultRow, Results, ResultsError};
+pub use results_file::{ResultRow, Results, ResultsError, ResultsErrorCause};
 use tolerance::ColumnCheck;
 pub use tolerance::{Limits, Tolerance, UnknownColumn};
 
@@ -25,7 +27,8 @@ pub use tolerance::{Limits, Tolerance, UnknownColumn};
 pub struct Changes {
     /// Rows of the same run in both.
     pub matched: usize,
-    /// Of these, rows matched by their keys; the others by scenario, swept parameters, method, integrator and seed.
+    /// Of these, rows matched by their keys; the others by scenario, swept parameters, method,
+    /// integrator and seed.
     pub matched_by_key: usize,
     /// Runs of A that B lacks.
     pub only_in_a: Vec<String>,
@@ -85,7 +88,7 @@ pub struct ColumnChange {
 }
 
 impl Changes {
-    /// All runs match within the tolerances.
+    /// True if all runs match within the tolerances.
     pub fn is_within(&self) -> bool {
         let missing = !self.only_in_a.is_empty() || !self.only_in_b.is_empty();
         !missing && self.outcomes.is_empty() && self.beyond.is_empty()

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use polars::prelude::{AnyValue, DataFrame};
+use polars::prelude::{AnyValue, DataFrame, PolarsError};
 use polars_io::SerReader;
 use polars_io::csv::read::CsvReadOptions;
 use polars_io::parquet::read::ParquetReader;
@@ -34,34 +34,64 @@ pub struct ResultRow(BTreeMap<String, String>);
 
 /// Error of reading results.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: {reason}", path.display())]
+#[error("{}: {cause}", path.display())]
 pub struct ResultsError {
     /// The file or folder.
     pub path: PathBuf,
-    /// The reason.
-    pub reason: String,
+    /// The cause.
+    pub cause: ResultsErrorCause,
+}
+
+/// Why results cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ResultsErrorCause {
+    /// There is nothing at this path.
+    #[error("no such file or folder")]
+    Absent,
+    /// The file is of another kind.
+    #[error("neither a folder of results nor a .csv, .parquet or .jsonl file")]
+    OtherKind,
+    /// The folder has no results.
+    #[error("a folder without results: none of {}", SUMMARIES.join(", "))]
+    EmptyFolder,
+    /// A table that is not a summary.
+    #[error("not a summary of runs: it has no column `{0}`")]
+    MissingColumn(&'static str),
+    /// The file cannot be read.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+    /// A damaged table.
+    #[error(transparent)]
+    Table(#[from] PolarsError),
+    /// A line that is not a JSON object.
+    #[error("line {line}: {error}")]
+    Line {
+        /// Its number, from 1.
+        line: usize,
+        /// The parser's error.
+        error: serde_json::Error,
+    },
 }
 
 impl Results {
-    /// Reads a summary (`.csv` or `.parquet`), `runs.jsonl`, or the first of these in a folder of results.
+    /// Reads a summary (`.csv` or `.parquet`), `runs.jsonl`, or the first of these in a folder of
+    /// results.
     ///
     /// # Errors
     /// No such file, another kind of file, or a table without runs.
     pub fn read(path: &Path) -> Result<Self, ResultsError> {
-        let path = if path.is_dir() { inside(path)? } else { path.to_owned() };
-        let fail = |reason: String| ResultsError { path: path.clone(), reason };
+        let path = if path.is_dir() { summary_in(path)? } else { path.to_owned() };
+        let fail = |cause| ResultsError { path: path.clone(), cause };
         let (columns, rows) = match path.extension().and_then(|e| e.to_str()) {
-            Some("csv") => table(csv(&path)),
-            Some("parquet") => table(parquet(&path)),
+            Some("csv") => csv(&path).and_then(|frame| table(&frame)),
+            Some("parquet") => parquet(&path).and_then(|frame| table(&frame)),
             Some("jsonl") => lines(&path),
-            _ if !path.exists() => Err("no such file or folder".into()),
-            _ => Err("neither a folder of results nor a .csv, .parquet or .jsonl file".into()),
+            _ if !path.exists() => Err(ResultsErrorCause::Absent),
+            _ => Err(ResultsErrorCause::OtherKind),
         }
         .map_err(fail)?;
         match ["scenario", "key", "outcome"].iter().find(|name| !columns.iter().any(|c| c == *name)) {
-            Some(missing) if !columns.is_empty() => {
-                Err(fail(format!("not a summary of runs: it has no column `{missing}`")))
-            }
+            Some(missing) if !columns.is_empty() => Err(fail(ResultsErrorCause::MissingColumn(missing))),
             _ => Ok(Results { path, columns, rows }),
         }
     }
@@ -83,44 +113,38 @@ impl ResultRow {
 
     /// A label of the run: scenario, parameters, and a seed other than 1.
     pub(super) fn label(&self) -> String {
-        let mut words = vec![self.text("scenario").to_owned()];
-        words.extend(self.parameters().map(|(name, value)| format!("{name}={value}")));
+        let mut parts = vec![self.text("scenario").to_owned()];
+        parts.extend(self.parameters().map(|(name, value)| format!("{name}={value}")));
         let seed = self.text("seed");
         if seed != "1" && !seed.is_empty() {
-            words.push(format!("seed={seed}"));
+            parts.push(format!("seed={seed}"));
         }
-        words.join(" ")
+        parts.join(" ")
     }
 }
 
-fn inside(folder: &Path) -> Result<PathBuf, ResultsError> {
+fn summary_in(folder: &Path) -> Result<PathBuf, ResultsError> {
     let found = SUMMARIES.iter().map(|name| folder.join(name)).find(|path| path.is_file());
-    found.ok_or_else(|| ResultsError {
-        path: folder.to_owned(),
-        reason: format!("a folder without results: none of {}", SUMMARIES.join(", ")),
-    })
+    found.ok_or_else(|| ResultsError { path: folder.to_owned(), cause: ResultsErrorCause::EmptyFolder })
 }
 
-type ReadRows = Result<(Vec<String>, Vec<ResultRow>), String>;
+type ReadRows = Result<(Vec<String>, Vec<ResultRow>), ResultsErrorCause>;
 
-fn csv(path: &Path) -> Result<DataFrame, String> {
+fn csv(path: &Path) -> Result<DataFrame, ResultsErrorCause> {
     let options = CsvReadOptions::default().with_infer_schema_length(Some(0));
-    let reader = options.try_into_reader_with_file_path(Some(path.to_owned())).map_err(|e| e.to_string())?;
-    reader.finish().map_err(|e| e.to_string())
+    Ok(options.try_into_reader_with_file_path(Some(path.to_owned()))?.finish()?)
 }
 
-fn parquet(path: &Path) -> Result<DataFrame, String> {
-    let file = File::open(path).map_err(|e| e.to_string())?;
-    ParquetReader::new(file).finish().map_err(|e| e.to_string())
+fn parquet(path: &Path) -> Result<DataFrame, ResultsErrorCause> {
+    Ok(ParquetReader::new(File::open(path)?).finish()?)
 }
 
-fn table(frame: Result<DataFrame, String>) -> ReadRows {
-    let frame = frame?;
+fn table(frame: &DataFrame) -> ReadRows {
     let names: Vec<String> = frame.get_column_names().into_iter().map(ToString::to_string).collect();
     let mut rows = vec![ResultRow::default(); frame.height()];
     for (column, name) in frame.columns().iter().zip(&names) {
         for (i, row) in rows.iter_mut().enumerate() {
-            let cell = match column.get(i).map_err(|e| e.to_string())? {
+            let cell = match column.get(i)? {
                 AnyValue::Null => continue,
                 AnyValue::String(text) => text.to_owned(),
                 AnyValue::StringOwned(text) => text.to_string(),
@@ -134,16 +158,17 @@ fn table(frame: Result<DataFrame, String>) -> ReadRows {
     Ok((names, rows))
 }
 
-/// Reads one object per line. A run with several lines counts once, with its last line; an incomplete last line is skipped.
+/// Reads one object per line. A run with several lines counts once, with its last line; an
+/// incomplete last line is skipped.
 fn lines(path: &Path) -> ReadRows {
-    let text = std::fs::read_to_string(path).map_err(|e| e.to_string())?;
+    let text = std::fs::read_to_string(path)?;
     let (mut columns, mut rows): (Vec<String>, Vec<ResultRow>) = (Vec::new(), Vec::new());
     let count = text.lines().count();
     for (number, line) in text.lines().enumerate() {
         let object: Map<String, Value> = match serde_json::from_str(line) {
             Ok(object) => object,
             Err(_) if number + 1 == count && !text.ends_with('\n') => continue,
-            Err(error) => return Err(format!("line {}: {error}", number + 1)),
+            Err(error) => return Err(ResultsErrorCause::Line { line: number + 1, error }),
         };
         let mut row = ResultRow::default();
         for (name, value) in object {

@@ -13,8 +13,9 @@ pub(super) struct Pairs<'a> {
     pub only_in_b: Vec<&'a ResultRow>,
 }
 
-/// Pairs rows by scenario and key; then the others by scenario, swept parameters, method, integrator and seed, since keys
-/// depend on the versions of program and scenario. Rows that remain ambiguous pair in their order.
+/// Pairs rows by scenario and key; then the others by scenario, swept parameters, method,
+/// integrator and seed, since keys depend on the versions of program and scenario. Rows that remain
+/// ambiguous pair in their order.
 pub(super) fn pair<'a>(a: &'a Results, b: &'a Results) -> Pairs<'a> {
     let mut partner: Vec<Option<usize>> = vec![None; a.rows.len()];
     let mut taken = vec![false; b.rows.len()];

@@ -26,7 +26,8 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// Differences in the last digits of a smooth run between compilers or processors: 1e-9 and 1e-6 of the value.
+    /// Differences in the last digits of a smooth run between compilers or processors: 1e-9 and
+    /// 1e-6 of the value.
     fn default() -> Self {
         let default = Tolerance { absolute: 1e-9, relative: 1e-6 };
         Limits { default, columns: BTreeMap::new(), timing: None }
@@ -69,7 +70,7 @@ impl Limits {
     }
 }
 
-/// The column holds measured numbers, not swept parameters or text.
+/// True if the column has measured numbers, not swept parameters or text.
 pub(super) fn is_measured(column: &str) -> bool {
     NUMERIC_COLUMNS.contains(&column) || column.strip_prefix("error_").is_some_and(|m| NUMERIC_COLUMNS.contains(&m))
 }
@@ -83,11 +84,12 @@ pub(super) fn common(a: &Results, b: &Results) -> (Vec<String>, Vec<String>) {
     (common, alone)
 }
 
-/// How the values of a column are checked.
+/// Check of the values of a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum ColumnCheck {
     Number(Tolerance),
-    /// B may be slower by this factor, and faster by any. `inverse`: the column decreases with time.
+    /// B may be slower by this factor, and faster by any. `inverse`: the column decreases with
+    /// time.
     Time {
         ratio: f64,
         inverse: bool,
@@ -126,7 +128,8 @@ impl ColumnCheck {
             ColumnCheck::Time { ratio, inverse: true } => (x <= ratio * y, ratio),
         };
         let finite = |value: f64| Some(value).filter(|v| v.is_finite());
-        // An infinite value is beyond every tolerance of a finite one; a relative tolerance alone would accept it.
+        // An infinite value is beyond every tolerance of a finite one; a relative tolerance alone
+        // would accept it.
         let beyond = !within || !distance.is_finite();
         Some(CellDifference { beyond, distance: finite(distance), relative: finite(distance / scale), allowed })
     }

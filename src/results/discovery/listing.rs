@@ -1,4 +1,5 @@
-//! A listing of the records below a folder of results: a few hundred bytes for each run, whatever its record holds.
+//! A listing of the records below a folder of results: a few hundred bytes for each run,
+//! independent of the length of its record.
 
 use super::records::{FoundRun, for_each_record};
 use super::run_order::{SortKey, summary_order};
@@ -33,7 +34,8 @@ pub struct SampledRuns {
     pub runs: Vec<FoundRun>,
 }
 
-/// Lists every `run.json` below a folder; finds the same ones as [`read_records`](crate::results::read_records).
+/// Lists every `run.json` below a folder; finds the same ones as
+/// [`read_records`](crate::results::read_records).
 ///
 /// # Errors
 /// The folder itself cannot be read.
@@ -89,8 +91,8 @@ impl Listing {
         (&run.key, Some(run.record.with_file_name(names::LOG)).filter(|log| log.exists()))
     }
 
-    /// Rows of all runs, read one by one on each pass. The first pass also gathers statistics, a bounded sample, and the runs
-    /// at the selected positions.
+    /// Rows of all runs, read one by one on each pass. The first pass also gathers statistics, a
+    /// bounded sample, and the runs at the selected positions.
     pub fn rows(&self, selected: &[usize]) -> ListedRows<'_> {
         ListedRows { listing: self, selected: selected.iter().copied().collect(), sampled: RefCell::default() }
     }

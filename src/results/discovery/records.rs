@@ -10,11 +10,13 @@ use std::path::{Path, PathBuf};
 /// The records below a folder.
 #[derive(Debug)]
 pub struct Records {
-    /// Runs: in the order of `summary.csv` where it names them, then by scenario, parameters and seed.
+    /// Runs: in the order of `summary.csv` where it names them, then by scenario, parameters and
+    /// seed.
     pub runs: Vec<FoundRun>,
     /// Reference runs, in the order in which the runs first need them.
     pub references: Vec<FoundRun>,
-    /// Errors of files and folders that were skipped: a `run.json` of another program, a broken one, an unreadable folder.
+    /// Errors of files and folders that were skipped: a `run.json` of another program, a broken
+    /// one, an unreadable folder.
     pub skipped: Vec<RecordError>,
 }
 
@@ -35,8 +37,8 @@ impl FoundRun {
     }
 }
 
-/// Reads every `run.json` below a folder. Links to folders are not followed; folders whose names begin with a dot are
-/// skipped.
+/// Reads every `run.json` below a folder. Links to folders are not followed; folders whose names
+/// begin with a dot are skipped.
 ///
 /// # Errors
 /// The folder itself cannot be read.
@@ -53,7 +55,8 @@ pub fn read_records(folder: &Path) -> Result<Records, RecordError> {
     Ok(Records { runs, references, skipped })
 }
 
-/// Calls `visit` once for each run and reference run below a folder, with its record; returns the errors of skipped files.
+/// Calls `visit` once for each run and reference run below a folder, with its record; returns the
+/// errors of skipped files.
 pub(super) fn for_each_record(
     folder: &Path,
     visit: &mut dyn FnMut(bool, PathBuf, RunRecord),
@@ -79,7 +82,7 @@ pub(super) fn for_each_record(
                 let is_reference = is_reference(&path, &record);
                 match known.entry(digest(is_reference, &record.scenario, &record.key)) {
                     Entry::Occupied(other) => {
-                        skipped.push(RecordError::Twice { path, other: other.get().to_path_buf() });
+                        skipped.push(RecordError::Duplicate { path, other: other.get().to_path_buf() });
                     }
                     Entry::Vacant(free) => {
                         free.insert(path.clone().into_boxed_path());

@@ -57,7 +57,8 @@ impl SortKey {
     }
 }
 
-/// Scenario, parameters and seed of a run, ordered in this sequence; the key decides between equals.
+/// Scenario, parameters and seed of a run, ordered in this sequence; the key decides between
+/// equals.
 #[derive(PartialEq)]
 pub(super) struct RunContent {
     scenario: String,

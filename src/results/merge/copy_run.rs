@@ -1,15 +1,13 @@
-//! Copies the files of a run to another folder, by hard links where the file system has them. Results are never modified in
-//! place, so a linked file keeps its content when its other name is replaced.
+//! Copies the files of a run to another folder, by hard links where the file system has them.
+//! Results are never modified in place, so a linked file keeps its content when the file of the
+//! other name is replaced.
 
-use crate::files::{RecordError, atomic, names};
+use crate::files::{RecordError, atomic, if_present, names};
 use std::path::{Path, PathBuf};
 
 /// Replaces `to` by a copy of the folder of a run; copies the record last.
 pub(super) fn copy_run(from: &Path, to: &Path) -> Result<(), RecordError> {
-    match std::fs::remove_dir_all(to) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(RecordError::io(to)(error)),
-        _ => {}
-    }
+    if_present(std::fs::remove_dir_all(to)).map_err(RecordError::io(to))?;
     let mut files = Vec::new();
     list(from, &mut files)?;
     // An existing record states that the other files of its run are complete.
@@ -29,7 +27,7 @@ fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), RecordError> {
             () if entry.file_name().to_string_lossy().starts_with('.') => {}
             () if kind.is_dir() => list(&entry.path(), files)?,
             () if kind.is_file() => files.push(entry.path()),
-            // A log may be moved and linked to; the check has compared its digest.
+            // A log may be moved and linked; the check has compared its hash.
             () if kind.is_symlink() && names::LINKABLE.iter().any(|name| entry.file_name() == *name) => {
                 files.push(entry.path())
             }

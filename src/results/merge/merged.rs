@@ -1,9 +1,11 @@
 //! Writes the results of all shards into one folder.
 
-use crate::files::{RecordError, confined, names, remove_partial};
+use crate::files::{RecordError, confined, if_present, names, remove_partial};
 use crate::results::discovery::FoundRun;
 use crate::results::merge::copy_run::copy_run;
-use crate::results::merge::{MergeError, Missing, Shards};
+use crate::results::merge::merge_error::MergeError;
+use crate::results::merge::missing::Missing;
+use crate::results::merge::shards::Shards;
 use crate::results::{
     BoundedSample, Rows, RunRecord, RunStatistics, RunsLog, SummaryFiles, SummaryRow, write_summary_of,
 };
@@ -30,23 +32,20 @@ pub struct Merged {
 }
 
 impl Shards {
-    /// Writes the results of all shards into a folder, but for the report. Leaves out the runs that [`Shards::check`] found
-    /// missing.
+    /// Writes the results of all shards into a folder, except the report. Omits the runs that
+    /// [`Shards::check`] found missing.
     ///
     /// # Errors
-    /// A file cannot be read or written; another program writes there; a reference differs between two shards.
+    /// A file cannot be read or written; another program writes there; a reference differs between
+    /// two shards.
     pub fn write(&self, output: &Path, missing: &Missing) -> Result<Merged, MergeError> {
         let mut references = Vec::new();
         let runs_log = output.join(names::RUNS_LOG);
-        let mut log = RunsLog::anew(&runs_log)?;
+        let mut log = RunsLog::create(&runs_log)?;
         remove_partial(output);
         for name in names::BATCH_OUTPUTS {
-            match std::fs::remove_file(output.join(name)) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                    return Err(RecordError::io(&output.join(name))(error).into());
-                }
-                _ => {}
-            }
+            let path = output.join(name);
+            if_present(std::fs::remove_file(&path)).map_err(RecordError::io(&path))?;
         }
         for needed in missing.references.whole() {
             let folder = needed.folder();

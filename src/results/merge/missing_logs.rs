@@ -1,13 +1,15 @@
-//! Detects shards run with `--no-log` among others: one batch writes all logs of its scenarios, or none.
+//! Detects shards run with `--no-log` among others: one batch writes all logs of its scenarios, or
+//! none.
 
 use crate::results::RunRecord;
+use crate::results::merge::merge_error::{MAX_NAMED, MergeError};
 use crate::results::merge::plan_walk::{Holder, ShardResult};
 use crate::results::merge::shard_check::ShardCheck;
-use crate::results::merge::{MOST_NAMED, MergeError, Shards};
+use crate::results::merge::shards::Shards;
 
 /// A line that names runs without the log of their scenario, while others have theirs.
 pub(super) fn missing_logs(shards: &Shards, check: &ShardCheck) -> Result<Option<String>, MergeError> {
-    // Reading every scenario again is only worth it for a mixture.
+    // Scenarios are read again only if some runs have a log and others have none.
     if check.with_log == 0 || check.without_log == 0 {
         return Ok(None);
     }
@@ -28,19 +30,19 @@ pub(super) fn missing_logs(shards: &Shards, check: &ShardCheck) -> Result<Option
         }
         Ok(())
     })?;
-    let mut words: Vec<String> = Vec::new();
-    for (shard, (count, example)) in without.iter().enumerate().filter(|(_, (count, _))| *count > 0) {
-        words.push(format!("{count} of {}, such as {example}", shards.name(shard)));
-    }
-    if words.is_empty() {
+    let affected = without.iter().enumerate().filter(|(_, (count, _))| *count > 0);
+    let mut examples: Vec<String> = affected
+        .map(|(shard, (count, example))| format!("{count} of {}, such as {example}", shards.name(shard)))
+        .collect();
+    if examples.is_empty() {
         return Ok(None);
     }
-    let dots = if words.len() > MOST_NAMED { "; ..." } else { "" };
-    words.truncate(MOST_NAMED);
+    let dots = if examples.len() > MAX_NAMED { "; ..." } else { "" };
+    examples.truncate(MAX_NAMED);
     Ok(Some(format!(
         "some runs have no log (--no-log) and others have one, unlike in a single batch. Without log: {}{dots}; re-run these \
          shards with --resume and without --no-log",
-        words.join("; ")
+        examples.join("; ")
     )))
 }
 

@@ -2,7 +2,8 @@
 
 use crate::files::RecordError;
 use crate::files::names;
-use crate::results::merge::{MergeError, Shards};
+use crate::results::merge::merge_error::MergeError;
+use crate::results::merge::shards::Shards;
 use crate::results::{RunRecord, ShardList, ShardRun, log_mismatch};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

@@ -5,7 +5,8 @@ use crate::results::RunRecord;
 use crate::results::merge::plan_walk::Holder;
 use serde_json::Value;
 
-/// The first difference between two results of one run, as text. Times and machines may differ, and one may lack the log.
+/// The first difference between two results of one run, as text. Times and machines may differ, and
+/// one may lack the log.
 pub(super) fn difference(a: &Holder, of_a: &RunRecord, b: &Holder, of_b: &RunRecord) -> Option<String> {
     let (x, y) = (comparable(of_a), comparable(of_b));
     let name = |what: &str| {

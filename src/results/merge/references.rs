@@ -2,9 +2,10 @@
 
 use crate::files::names;
 use crate::results::RunRecord;
+use crate::results::merge::merge_error::{MAX_NAMED, MergeError};
 use crate::results::merge::plan_walk::Holder;
 use crate::results::merge::record_difference::{comparable, first_difference};
-use crate::results::merge::{MOST_NAMED, MergeError, Shards};
+use crate::results::merge::shards::Shards;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -38,7 +39,8 @@ pub(super) struct References {
 }
 
 impl References {
-    /// Adds the reference of a run. Each shard has its own copy, under the scenario of its first run that needs it.
+    /// Adds the reference of a run. Each shard has its own copy, under the scenario of its first
+    /// run that needs it.
     pub fn add(&mut self, shards: &Shards, holder: &Holder, record: &RunRecord) {
         let Some(key) = &record.comparison.reference else { return };
         let read = |shard: usize, scenario: &str| {
@@ -77,7 +79,7 @@ impl References {
         if self.differences.is_empty() {
             return Ok(self);
         }
-        self.differences.truncate(MOST_NAMED);
+        self.differences.truncate(MAX_NAMED);
         self.differences.insert(0, "the machines or programs of the shards do not compute the same bits:".into());
         Err(MergeError::Runs(self.differences))
     }
@@ -90,9 +92,9 @@ impl References {
     /// Lines of text about the other references.
     pub fn missing(&self, shards: &Shards) -> impl Iterator<Item = String> {
         let missing = self.needed.iter().filter(|needed| !needed.is_whole);
-        missing.take(MOST_NAMED).map(|needed| {
+        missing.take(MAX_NAMED).map(|needed| {
             let (shard, NeededReference { scenario, key, .. }) = (shards.name(needed.shard), needed);
-            format!("{shard} has no whole record of reference {key} of {scenario}; run it again with --resume")
+            format!("{shard} has no complete record of reference {key} of {scenario}; run it again with --resume")
         })
     }
 }

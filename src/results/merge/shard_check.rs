@@ -1,9 +1,9 @@
 //! Checks every run of every shard: present, whole, and equal in all shards that have it.
 
 use crate::results::RunRecord;
+use crate::results::merge::merge_error::{MAX_NAMED, MergeError};
 use crate::results::merge::plan_walk::{Holder, ShardResult};
 use crate::results::merge::record_difference::difference;
-use crate::results::merge::{MOST_NAMED, MergeError};
 use std::collections::BTreeSet;
 
 /// Findings so far. Only the first runs of each problem are named, to bound memory.
@@ -58,7 +58,7 @@ impl ShardCheck {
                     Some((other, known)) => {
                         if let Some(what) = difference(other, known, holder, &record) {
                             self.differing += 1;
-                            if self.differ.len() < MOST_NAMED {
+                            if self.differ.len() < MAX_NAMED {
                                 self.differ.push(what);
                             }
                         }
@@ -82,16 +82,16 @@ impl ShardCheck {
 impl MissingRuns {
     fn add(&mut self, what: impl FnOnce() -> String) {
         self.count += 1;
-        if self.first.len() < MOST_NAMED {
+        if self.first.len() < MAX_NAMED {
             self.first.push(what());
         }
     }
 
     /// A line of text; none if no run is missing.
     pub fn line(&self, shard: &str) -> Option<String> {
-        let (words, dots) = (self.first.join(", "), if self.count > MOST_NAMED { ", ..." } else { "" });
+        let (first, dots) = (self.first.join(", "), if self.count > MAX_NAMED { ", ..." } else { "" });
         (self.count > 0).then(|| {
-            format!("{shard} has no result of {} of its runs: {words}{dots}; run it again with --resume", self.count)
+            format!("{shard} has no result of {} of its runs: {first}{dots}; run it again with --resume", self.count)
         })
     }
 }

@@ -6,10 +6,11 @@ use crate::results::{ParamValue, is_truth};
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// First words of the keys of numerical methods; runs that differ in other keys solve different problems.
+/// First segments of keys of numerical methods; runs that differ in other keys solve different
+/// problems.
 const NUMERICAL: [&str; 4] = ["contact", "integrator", "compare", "log"];
 
-/// Keys below these that belong to the problem.
+/// Keys below [`NUMERICAL`] that belong to the problem.
 const PROBLEM: [&str; 2] = ["contact.restitution", "contact.forced"];
 
 /// Runs of one problem: the same scenario, and the same value of each swept key of the problem.
@@ -23,14 +24,16 @@ pub struct Group {
     pub curves: Vec<Curve>,
 }
 
-/// Runs of one method and integrator that differ in one parameter alone, or in several that change together.
+/// Runs of one method and integrator that differ in one parameter alone, or in several that change
+/// together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
     /// Contact method.
     pub method: String,
     /// Integrator.
     pub integrator: String,
-    /// What else distinguishes it from the other curves of its method, such as `integrator.step=0.001`; may be empty.
+    /// Label that distinguishes it from the other curves of its method, such as
+    /// `integrator.step=0.001`; may be empty.
     pub variant: String,
     /// The parameter along the curve; none when there is a single run, or nothing that varies.
     pub along: Option<String>,
@@ -112,7 +115,8 @@ fn curves(works: &[Work], method: &str, integrator: &str, rows: &[usize]) -> Vec
         .collect()
 }
 
-/// Swept keys of numerical methods whose values differ between the rows, except method and integrator.
+/// Swept keys of numerical methods whose values differ between the rows, except method and
+/// integrator.
 fn varying(works: &[Work], rows: &[usize]) -> Vec<String> {
     let mut keys: Vec<&String> = Vec::new();
     for (name, _) in rows.iter().flat_map(|&i| &works[i].row.parameters) {
@@ -125,7 +129,8 @@ fn varying(works: &[Work], rows: &[usize]) -> Vec<String> {
     keys.into_iter().filter(differs).cloned().collect()
 }
 
-/// The key along a curve: the numeric one with the most values; keys of the integrator take precedence.
+/// The key along a curve: the numeric one with the most values; keys of the integrator take
+/// precedence.
 fn along(works: &[Work], rows: &[usize], varying: &[String]) -> Option<String> {
     let numeric =
         |key: &&String| rows.iter().all(|&i| parameter(works, i, key).is_none_or(|value| value.number().is_some()));

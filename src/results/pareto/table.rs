@@ -4,23 +4,24 @@ use crate::results::is_truth;
 use crate::results::pareto::{Group, Work, error_columns, front_as_shown, groups};
 use crate::results::table::clip;
 use crate::results::verdict_table::brief_parameters;
-use crate::text::text_table::{Side, TextTable};
+use crate::text::text_table::{Alignment, TextTable};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-/// Longest block of a group; of more runs those on a front and the best of each curve.
-const MOST_LINES: usize = 30;
+/// Largest number of lines of a group. Larger groups show the runs on a front and the best of
+/// each curve.
+const MAX_LINES: usize = 30;
 
-/// Most groups shown; a sweep over many problems has a report with pictures.
-const MOST_GROUPS: usize = 12;
+/// Largest number of groups; the report has all groups.
+const MAX_GROUPS: usize = 12;
 
-/// Per group of comparable runs a block, sorted by cost: how it was computed, each error, the cost, and a mark at the
-/// errors that are on the Pareto front. Empty when no run has an error column.
+/// A block per group of comparable runs, sorted by cost: method, parameters, errors and cost, with
+/// a mark at errors on the Pareto front. Empty when no run has an error column.
 pub fn pareto_table(works: &[Work], width: usize) -> String {
     let mut out = String::new();
     let measured = |group: &Group| group.rows().any(|i| !works[i].errors.is_empty());
     let groups: Vec<Group> = groups(works).into_iter().filter(measured).collect();
-    for group in groups.iter().take(MOST_GROUPS) {
+    for group in groups.iter().take(MAX_GROUPS) {
         // A String takes every write.
         let _ = writeln!(out, "{}", group.name());
         out += &block(works, group, width);
@@ -29,7 +30,7 @@ pub fn pareto_table(works: &[Work], width: usize) -> String {
     if groups.is_empty() {
         return out;
     }
-    if let more @ 1.. = groups.len().saturating_sub(MOST_GROUPS) {
+    if let more @ 1.. = groups.len().saturating_sub(MAX_GROUPS) {
         let _ = writeln!(out, "{more} more groups are in the report");
     }
     out += "* on the Pareto front: no other run of the group is both cheaper and more accurate\n";
@@ -48,13 +49,13 @@ fn block(works: &[Work], group: &Group, width: usize) -> String {
     let members: Vec<Work> = group.rows().map(|i| works[i].clone()).collect();
     let columns = error_columns(&members);
     let (lines, without) = lines(works, group, &columns);
-    let shown = choose(&lines, group);
+    let listed = choose(&lines, group);
     let parameters = varying(works, group);
     let text = ["method", "integrator"].into_iter().chain((!parameters.is_empty()).then_some("parameters"));
-    let text = text.map(|name| (name.to_owned(), Side::Left));
+    let text = text.map(|name| (name.to_owned(), Alignment::Left));
     // A mark follows each error, and a space follows its name.
     let errors = columns.iter().map(|c| format!("{c} "));
-    let numbers = errors.chain(["cpu s / sim s", "x real time"].map(String::from)).map(|name| (name, Side::Right));
+    let numbers = errors.chain(["cpu s / sim s", "x real time"].map(String::from)).map(|name| (name, Alignment::Right));
     let mut table = TextTable::new(text.chain(numbers));
     let cells = |line: &Line| -> Vec<String> {
         let row = works[line.row].row;
@@ -73,9 +74,9 @@ fn block(works: &[Work], group: &Group, width: usize) -> String {
             .chain([format!("{:.2e}", line.cost), format!("{:.1}", works[line.row].real_time_factor)])
             .collect()
     };
-    shown.iter().for_each(|line| table.push(cells(line)));
+    listed.iter().for_each(|line| table.push(cells(line)));
     let mut out = table.render(width);
-    if let more @ 1.. = lines.len() - shown.len() {
+    if let more @ 1.. = lines.len() - listed.len() {
         let _ = writeln!(out, "{more} more are in the report and the summary");
     }
     for (reason, count) in without {
@@ -96,7 +97,7 @@ fn lines(works: &[Work], group: &Group, columns: &[String]) -> (Vec<Line>, Vec<(
                 lines.push(Line { row, cost, errors });
             }
             None => {
-                let reason = points.into_iter().find_map(Result::err).unwrap_or_default();
+                let reason = points.into_iter().find_map(Result::err).map(|r| r.to_string()).unwrap_or_default();
                 match without.iter_mut().find(|(r, _)| *r == reason) {
                     Some((_, count)) => *count += 1,
                     None => without.push((reason, 1)),
@@ -115,9 +116,10 @@ fn lines(works: &[Work], group: &Group, columns: &[String]) -> (Vec<Line>, Vec<(
     (lines, without)
 }
 
-/// All lines; of too many those on a front and the most accurate of each curve, of too many of these the cheapest.
+/// All lines if they are few; else those on a front and the most accurate of each curve, at most
+/// [`MAX_LINES`], the cheapest first.
 fn choose<'a>(lines: &'a [Line], group: &Group) -> Vec<&'a Line> {
-    if lines.len() <= MOST_LINES {
+    if lines.len() <= MAX_LINES {
         return lines.iter().collect();
     }
     let first_error = |l: &&Line| l.errors.iter().flatten().map(|(error, _)| *error).next().unwrap_or(f64::INFINITY);
@@ -127,10 +129,11 @@ fn choose<'a>(lines: &'a [Line], group: &Group) -> Vec<&'a Line> {
     };
     let best: BTreeSet<usize> = group.curves.iter().filter_map(best).collect();
     let kept = lines.iter().filter(|l| best.contains(&l.row) || l.errors.iter().flatten().any(|(_, on)| *on));
-    kept.take(MOST_LINES).collect()
+    kept.take(MAX_LINES).collect()
 }
 
-/// Swept parameters with more than one value among the group's rows; method and integrator have columns of their own.
+/// Swept parameters with more than one value among the group's rows; method and integrator have
+/// columns of their own.
 fn varying(works: &[Work], group: &Group) -> Vec<String> {
     let mut names: Vec<(&str, BTreeSet<String>)> = Vec::new();
     let rows: Vec<usize> = group.rows().collect();

@@ -3,9 +3,11 @@
 use crate::metrics::{Distance, number};
 use serde::{Deserialize, Serialize};
 
-/// Result of a comparison. Errors are none without a reference, and where there was nothing to compare.
+/// Result of a comparison. Errors are none without a reference, and where there was nothing to
+/// compare.
 ///
-/// Means are over the instants of the scenario's log and the run's end, up to the end of the shorter run.
+/// Means are over the instants of the scenario's log and the run's end, up to the end of the
+/// shorter run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Comparison {
@@ -20,10 +22,12 @@ pub struct Comparison {
     /// Root mean square distance of the base's origins, m.
     #[serde(with = "number::some_real")]
     pub error_position_rms_m: Option<f64>,
-    /// Root mean square difference over the joints, rad (m where a joint slides); none without joints.
+    /// Root mean square difference over the joints, rad (m where a joint slides); none without
+    /// joints.
     #[serde(with = "number::some_real")]
     pub error_joint_rms_rad: Option<f64>,
-    /// Root mean square over the soles of the length of the force difference, N; none without soles.
+    /// Root mean square over the soles of the length of the force difference, N; none without
+    /// soles.
     #[serde(with = "number::some_real", rename = "error_force_rms_N")]
     pub error_force_rms_n: Option<f64>,
     /// Fraction of soles and instants with equal contact states, 0 to 1; none without soles.
@@ -56,7 +60,7 @@ impl TruthError {
 }
 
 impl Comparison {
-    /// There was nothing to compare with.
+    /// True if there was nothing to compare with.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }

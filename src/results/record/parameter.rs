@@ -27,9 +27,17 @@ impl ParamValue {
             Self::Flag(_) | Self::Text(_) => None,
         }
     }
+
+    /// The value as text; of the path of a robot file only the file name.
+    pub(crate) fn brief(&self) -> String {
+        let text = self.to_string();
+        let is_file = [".toml", ".urdf"].iter().any(|end| text.ends_with(end));
+        text.rsplit('/').next().filter(|_| is_file).map_or(text.clone(), str::to_owned)
+    }
 }
 
-/// The swept parameter is a truth (`expect.*`, `compare.truth.*`), which does not distinguish runs.
+/// True if the swept parameter is a truth (`expect.*`, `compare.truth.*`), which does not
+/// distinguish runs.
 pub fn is_truth(name: &str) -> bool {
     name.starts_with("expect.") || name.starts_with("compare.truth.")
 }

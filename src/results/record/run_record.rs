@@ -1,13 +1,12 @@
 //! `run.json`, the record of one run: inputs, outcome, metrics and timing.
 
 use crate::files::input::{self, MOST_DATA};
-use crate::files::{RecordError, atomic};
+use crate::files::{RecordError, json};
 use crate::metrics::{Metrics, number};
 use crate::results::{Comparison, LogFingerprint, ParamValue, Repeats, SummaryRow, Verdict};
 use crate::sim::{AvoidanceTime, Outcome};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use std::io::Write;
 use std::path::Path;
 
 /// Format version of `run.json`.
@@ -28,7 +27,7 @@ pub struct RunRecord {
     pub scenario: String,
     /// Key of the run.
     pub key: String,
-    /// How it ended.
+    /// Outcome.
     #[serde(with = "outcome")]
     pub outcome: Outcome,
     /// Reason of the outcome; may be empty.
@@ -64,7 +63,7 @@ pub struct RunRecord {
     pub timing: Timing,
 }
 
-/// A file a run was made of.
+/// An input file of a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputHash {
     /// Name, as the scenario or robot file refers to it.
@@ -89,12 +88,12 @@ pub struct Timing {
     pub cpu_s: f64,
     /// Machine.
     pub machine: Machine,
-    /// The scenario file as given: relative paths in [`RunRecord::resolved`] begin at its folder. Earlier versions did not
-    /// record it.
+    /// The scenario file as given: relative paths in [`RunRecord::resolved`] begin at its folder.
+    /// Earlier versions did not record it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub file: Option<String>,
-    /// The build of the program, [`BUILD`]. It is not part of the key, since most source changes change no result. Earlier
-    /// versions did not record it.
+    /// The build of the program, [`BUILD`]. It is not part of the key, since most source changes
+    /// change no result. Earlier versions did not record it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub build: Option<String>,
     /// Times of repetitions, if there were any.
@@ -128,16 +127,13 @@ impl Machine {
 }
 
 impl RunRecord {
-    /// Writes the record to a temporary file and renames it to `path`: an existing `run.json` is complete.
+    /// Writes the record to a temporary file and renames it to `path`: an existing `run.json` is
+    /// complete.
     ///
     /// # Errors
     /// The folder or file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), RecordError> {
-        atomic::write(path, |out| {
-            serde_json::to_writer_pretty(&mut *out, self)
-                .map_err(|source| RecordError::Json { path: path.to_owned(), source })?;
-            out.write_all(b"\n").map_err(RecordError::io(path))
-        })
+        json::write_pretty(path, self)
     }
 
     /// Reads a record back.
@@ -145,18 +141,7 @@ impl RunRecord {
     /// # Errors
     /// No such file, no valid JSON, a missing field, or another format version.
     pub fn read(path: &Path) -> Result<Self, RecordError> {
-        /// Read first, since other versions may have other fields.
-        #[derive(Deserialize)]
-        struct Version {
-            schema: u64,
-        }
-        let json = |source| RecordError::Json { path: path.to_owned(), source };
-        let bytes = input::read(path, MOST_DATA).map_err(RecordError::io(path))?;
-        let Version { schema } = serde_json::from_slice(&bytes).map_err(json)?;
-        if schema != u64::from(RUN_SCHEMA) {
-            return Err(RecordError::Version { path: path.to_owned(), found: schema, expected: RUN_SCHEMA });
-        }
-        serde_json::from_slice(&bytes).map_err(json)
+        json::parse(&input::read(path, MOST_DATA).map_err(RecordError::io(path))?, path, RUN_SCHEMA)
     }
 
     /// The run's row in the summary.
@@ -191,8 +176,8 @@ mod outcome {
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Outcome, D::Error> {
-        let word = String::deserialize(deserializer)?;
-        let found = Outcome::ALL.into_iter().find(|o| o.name() == word);
-        found.ok_or_else(|| D::Error::custom(format!("unknown outcome `{word}`")))
+        let name = String::deserialize(deserializer)?;
+        let found = Outcome::ALL.into_iter().find(|o| o.name() == name);
+        found.ok_or_else(|| D::Error::custom(format!("unknown outcome `{name}`")))
     }
 }

@@ -6,16 +6,15 @@ use std::collections::BTreeMap;
 pub const SAMPLE_SIZE: usize = 10_000;
 
 /// Share of failed runs in a sample, where not all runs fit.
-const MOST_FAILED: usize = 1000;
+const MAX_FAILED: usize = 1000;
 
-/// Items by their index in the plan: all while there is room, then the first failed ones and the first others. The sample does
-/// not depend on the order of insertion.
+/// Items by their index in the plan: all while there is room, then the first failed ones and the
+/// first others. The sample does not depend on the order of insertion.
 #[derive(Clone, Debug)]
 pub struct BoundedSample<T> {
     capacity: usize,
     good: BTreeMap<usize, T>,
     failed: BTreeMap<usize, T>,
-    dropped: usize,
 }
 
 impl<T> Default for BoundedSample<T> {
@@ -27,20 +26,19 @@ impl<T> Default for BoundedSample<T> {
 impl<T> BoundedSample<T> {
     /// An empty sample of at most `capacity` items.
     pub fn with_capacity(capacity: usize) -> Self {
-        BoundedSample { capacity, good: BTreeMap::new(), failed: BTreeMap::new(), dropped: 0 }
+        BoundedSample { capacity, good: BTreeMap::new(), failed: BTreeMap::new() }
     }
 
     /// Inserts an item; a full sample drops one.
     pub fn insert(&mut self, index: usize, item: T, is_failed: bool) {
         if is_failed { &mut self.failed } else { &mut self.good }.insert(index, item);
         if self.len() > self.capacity {
-            let crowded = if self.failed.len() > MOST_FAILED.min(self.capacity) || self.good.is_empty() {
+            let crowded = if self.failed.len() > MAX_FAILED.min(self.capacity) || self.good.is_empty() {
                 &mut self.failed
             } else {
                 &mut self.good
             };
             crowded.pop_last();
-            self.dropped += 1;
         }
     }
 
@@ -49,14 +47,9 @@ impl<T> BoundedSample<T> {
         self.good.len() + self.failed.len()
     }
 
-    /// The sample has no item.
+    /// True if the sample has no item.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
-    }
-
-    /// Number of items dropped.
-    pub fn dropped(&self) -> usize {
-        self.dropped
     }
 
     /// The item of an index, if it is in the sample.
@@ -89,7 +82,6 @@ mod tests {
         for order in orders {
             let mut sample = BoundedSample::with_capacity(12);
             order.iter().for_each(|index| sample.insert(*index, *index, is_failed(index)));
-            assert_eq!(sample.dropped(), 38);
             assert_eq!(sample.get(20), Some(&20));
             assert_eq!(sample.get(21), None);
             assert_eq!(sample.into_sorted(), [0, 1, 2, 3, 4, 6, 13, 20, 27, 34, 41, 48], "{order:?}");

@@ -1,6 +1,8 @@
 //! Streaming statistics over runs, by scenario.
 
 use crate::results::{Machine, SummaryRow};
+use crate::sim::Outcome;
+use crate::text::plural::plural;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::SystemTime;
@@ -22,7 +24,7 @@ pub struct RunStatistics {
 pub(crate) struct ScenarioStatistics {
     pub scenario: String,
     pub runs: usize,
-    /// Runs by outcome, in the order in which the outcomes first appear.
+    /// Runs by outcome, in the order of [`Outcome::ALL`].
     pub outcomes: Vec<(&'static str, usize)>,
     /// Expectations.
     pub expected: usize,
@@ -45,8 +47,7 @@ impl RunStatistics {
         if !self.programs.contains(program) {
             self.programs.insert(program.to_owned());
         }
-        let processors = if machine.cpus == 1 { "processor" } else { "processors" };
-        self.machines.insert(format!("{} {}, {} {processors}", machine.os, machine.arch, machine.cpus));
+        self.machines.insert(format!("{} {}, {}", machine.os, machine.arch, plural(machine.cpus, "processor")));
         if let Some(at) = record.and_then(|path| path.metadata().ok()?.modified().ok()) {
             let (first, last) = self.recorded.unwrap_or((at, at));
             self.recorded = Some((first.min(at), last.max(at)));
@@ -113,7 +114,11 @@ impl ScenarioStatistics {
     fn count(&mut self, outcome: &'static str, runs: usize) {
         match self.outcomes.iter_mut().find(|(known, _)| *known == outcome) {
             Some((_, count)) => *count += runs,
-            None => self.outcomes.push((outcome, runs)),
+            None => {
+                self.outcomes.push((outcome, runs));
+                let rank = |name: &str| Outcome::ALL.iter().position(|o| o.name() == name);
+                self.outcomes.sort_by_key(|(name, _)| rank(name));
+            }
         }
     }
 }

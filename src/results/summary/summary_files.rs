@@ -1,4 +1,5 @@
-//! Writes `summary.csv` and `summary.parquet`, one row per run, in parts: a million rows need no more memory than thousands.
+//! Writes `summary.csv` and `summary.parquet`, one row per run, in parts: a million rows need no
+//! more memory than thousands.
 
 use crate::files::names;
 use crate::files::{RecordError, atomic};
@@ -23,7 +24,8 @@ pub struct SummaryFiles {
     pub parquet: PathBuf,
 }
 
-/// Rows that can be visited more than once, in the same order each time; they need not be in memory.
+/// Rows that can be visited more than once, in the same order each time; they need not be in
+/// memory.
 pub trait Rows {
     /// Calls `visit` with each row.
     ///
@@ -38,7 +40,7 @@ impl Rows for &[SummaryRow] {
     }
 }
 
-/// Writes `summary.csv` and `summary.parquet` into `folder`, one row per run in the order given.
+/// Writes `summary.csv` and `summary.parquet` into `folder`, one row per run in the given order.
 ///
 /// # Errors
 /// The folder or a file cannot be written, or a swept parameter has the name of a column.
@@ -46,7 +48,7 @@ pub fn write_summary(folder: &Path, rows: &[SummaryRow]) -> Result<SummaryFiles,
     write_summary_of(folder, &rows)
 }
 
-/// As [`write_summary`], for rows that are read one by one: twice, first for the columns.
+/// Like [`write_summary`], for rows that are read one by one, in two passes: first for the columns.
 ///
 /// # Errors
 /// See [`write_summary`]; and a row cannot be read.
@@ -88,18 +90,7 @@ pub fn write_summary_of(folder: &Path, rows: &dyn Rows) -> Result<SummaryFiles, 
     Ok(files)
 }
 
-/// The summary as a table. Columns: identity and `seed`; the swept parameters of all rows in the order of first
-/// appearance, empty where a row lacks one; the metrics; the distances from known truths.
-///
-/// # Errors
-/// A swept parameter has the name of a column.
-pub fn summary_frame(rows: &[SummaryRow]) -> PolarsResult<DataFrame> {
-    let mut layout = Layout::default();
-    rows.iter().for_each(|row| layout.add(row));
-    layout.frame(rows)
-}
-
-/// The columns that depend on the rows.
+/// The columns that depend on the rows. They are empty where a row lacks a value.
 #[derive(Default)]
 struct Layout {
     /// Swept parameters of all rows, in the order of first appearance.
@@ -108,7 +99,7 @@ struct Layout {
     truths: Vec<String>,
 }
 
-/// Type of a parameter's column; each type holds the values of those before it.
+/// Type of a parameter's column; each type can represent the values of those before it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum ParameterType {
     Whole,
@@ -136,6 +127,8 @@ impl Layout {
         }
     }
 
+    /// A part of the summary as a table: identity and `seed`; swept parameters; metrics; distances
+    /// from known truths.
     fn frame(&self, rows: &[SummaryRow]) -> PolarsResult<DataFrame> {
         let texts = TEXT_COLUMNS.iter().map(|c| text_series(c.name, rows.iter().map(|r| Some((c.get)(r).to_owned()))));
         let seed = Series::new("seed".into(), rows.iter().map(|r| r.seed).collect::<Vec<_>>());
@@ -177,7 +170,8 @@ fn parameter_series(name: &str, kind: ParameterType, rows: &[SummaryRow]) -> Ser
     }
 }
 
-/// Text on one line, so that each line of the CSV is a run for simple tools; empty text is an empty cell.
+/// Text on one line, so that each line of the CSV is a run for simple tools; empty text is an empty
+/// cell.
 fn text_series(name: &str, values: impl Iterator<Item = Option<String>>) -> Series {
     let on_one_line = |text: String| text.lines().map(str::trim).collect::<Vec<_>>().join(" ");
     let cells = values.map(|v| v.map(on_one_line).filter(|t| !t.is_empty()));

@@ -1,4 +1,5 @@
-//! A row of the summary: one run with the values of all columns. Column names are a contract with users.
+//! A row of the summary: one run with the values of all columns. Column names are a contract with
+//! users.
 
 use crate::metrics::{Column, ColumnSource, Cost, Known, Measure, Metrics, column};
 use crate::results::{Comparison, ParamValue, Repeats, Verdict};
@@ -11,7 +12,7 @@ pub struct SummaryRow {
     pub scenario: String,
     /// Key of the run.
     pub key: String,
-    /// How it ended.
+    /// Outcome.
     pub outcome: Outcome,
     /// Reason of the outcome; may be empty.
     pub message: String,
@@ -42,7 +43,8 @@ pub struct SummaryRow {
 }
 
 impl SummaryRow {
-    /// An expectation did not hold, or the run did not finish and no expectation allows its outcome.
+    /// True if an expectation did not hold, or the run did not finish and no expectation allows its
+    /// outcome.
     pub fn is_refused(&self) -> bool {
         let expected = || !self.verdicts.is_empty() && self.verdicts.iter().all(|v| v.held);
         self.outcome == Outcome::Failed || !(matches!(self.outcome, Outcome::Passed | Outcome::Fallen) || expected())
@@ -55,7 +57,7 @@ pub(in crate::results) struct TextColumn {
     pub get: fn(&SummaryRow) -> &str,
 }
 
-/// Columns of text, which stand before the swept parameters; `seed` follows them.
+/// Columns of text, which precede the swept parameters; `seed` follows them.
 pub(in crate::results) const TEXT_COLUMNS: &[TextColumn] = &[
     TextColumn { name: "scenario", get: |r| &r.scenario },
     TextColumn { name: "key", get: |r| &r.key },
@@ -93,8 +95,9 @@ impl SummaryRow {
     }
 }
 
-/// The value of a numeric column, by its name in [`NUMERIC_COLUMNS`](crate::metrics::NUMERIC_COLUMNS) or in
-/// [`truth_columns`]; none for another name and for an empty cell (the first time of an event that never came).
+/// The value of a numeric column, by its name in
+/// [`NUMERIC_COLUMNS`](crate::metrics::NUMERIC_COLUMNS) or in [`truth_columns`]; none for another
+/// name and for an empty cell (the first time of an event that never came).
 pub fn metric(row: &SummaryRow, column: &str) -> Option<f64> {
     match measure(row, column) {
         Measure::Count(n) => Some(n as f64),
@@ -111,8 +114,8 @@ pub fn measure(row: &SummaryRow, name: &str) -> Measure {
     }
 }
 
-/// Names of the columns `error_METRIC`, the last of the summary: one for each metric with a known truth, in the order
-/// of first appearance.
+/// Names of the columns `error_METRIC`, the last of the summary: one for each metric with a known
+/// truth, in the order of first appearance.
 pub fn truth_columns(rows: &[SummaryRow]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for truth in rows.iter().flat_map(|r| &r.comparison.truth) {

@@ -14,8 +14,8 @@ pub(super) struct Part {
     pub axis: Vector3<f64>,
 }
 
-/// The motions of a planar or floating joint, parent's side first; `None` for a simple joint. `axis` is the normal of a
-/// planar joint.
+/// The motions of a planar or floating joint, from the parent's side; `None` for a simple joint.
+/// `axis` is the normal of a planar joint.
 pub(super) fn parts(kind: &JointType, axis: &Vector3<f64>) -> Option<Vec<Part>> {
     let slide = |suffix, axis| Part { suffix, kind: JointKind::Prismatic, axis };
     let turn = |suffix, axis| Part { suffix, kind: JointKind::Continuous, axis };

@@ -1,18 +1,18 @@
-//! Checks a URDF's elements and attributes. Those that `urdf-rs` drops are reported; values that it would read leniently
-//! are refused with their position.
+//! Checks a URDF's elements and attributes. Those that `urdf-rs` ignores are reported; values that
+//! it would misread are refused with their position.
 
 use roxmltree::Node;
 
 use super::xml::{Xml, describe};
-use crate::robot::error::RobotError;
 use crate::robot::notices::Notices;
+use crate::robot::robot_error::RobotError;
 
 /// Value of an attribute.
 #[derive(Clone, Copy, PartialEq)]
 enum Value {
     /// A name: not empty, no spaces around it.
     Name,
-    /// Any text, such as the empty material names that some exporters write.
+    /// Any text; some exporters write empty material names.
     Text,
     Number,
     NotNegative,
@@ -27,11 +27,12 @@ enum Value {
 use Value::*;
 
 /// Greatest mass, kg: squares of greater ones could overflow.
-const HEAVIEST: f64 = 1e12;
-/// Greatest coordinate, m: beyond it rounding of the inertia about a joint exceeds that about the centre of mass.
-const FURTHEST: f64 = 1e4;
+const MAX_MASS: f64 = 1e12;
+/// Greatest coordinate, m: beyond it rounding of the inertia about a joint exceeds that about the
+/// centre of mass.
+const MAX_COORDINATE: f64 = 1e4;
 
-/// One element: attributes (name, value, required) and child elements (name, how many).
+/// One element: attributes (name, value, required) and child elements (name, count).
 struct Rule {
     tag: &'static str,
     attributes: &'static [(&'static str, Value, bool)],
@@ -152,7 +153,7 @@ const RULES: &[Rule] = &[
 
 /// Checks the whole document: notices for dropped elements, and the first error.
 pub(super) fn check(xml: &Xml, notices: &mut Notices) -> Result<(), RobotError> {
-    // The grammar's elements nest at most five deep, so this recursion is bounded whatever the file holds.
+    // The grammar's elements nest at most five deep, so this recursion is bounded for every file.
     element(xml, xml.robot, notices)
 }
 
@@ -177,8 +178,7 @@ fn element(xml: &Xml, node: Node, notices: &mut Notices) -> Result<(), RobotErro
     children(xml, node, rule, notices)
 }
 
-/// True when an attribute holds several numbers with commas between them, which URDF requires to be
-/// spaces?
+/// True when an attribute of several numbers has commas, where URDF requires spaces.
 pub(super) fn has_commas(tag: &str, attribute: &str, text: &str) -> bool {
     let rule = RULES.iter().find(|r| r.tag == tag);
     let value =
@@ -190,7 +190,7 @@ fn is_list(value: Value) -> bool {
     matches!(value, Vector(_) | PositiveVector(_) | Position)
 }
 
-/// Each single comma as a space: `1,,2` is no vector of two.
+/// The text with each comma replaced by a space, unless a number is missing as in `1,,2`.
 fn without_commas(text: &str, has_commas: bool) -> std::borrow::Cow<'_, str> {
     match has_commas && text.split(',').all(|part| !part.trim().is_empty()) {
         true => text.replace(',', " ").into(),
@@ -198,7 +198,7 @@ fn without_commas(text: &str, has_commas: bool) -> std::borrow::Cow<'_, str> {
     }
 }
 
-/// Is a child element of that name read from this one? What is not has been reported.
+/// True when elements with the child's name are read from the parent; others have been reported.
 pub(super) fn is_read(parent: Node, child: Node) -> bool {
     let (parent, child) = (parent.tag_name().name(), child.tag_name().name());
     let rule = RULES.iter().find(|r| r.tag == parent);
@@ -260,8 +260,8 @@ fn attribute(
 ) -> Result<(), RobotError> {
     let has_commas = text.contains(',') && is_list(value);
     let numbers: Option<Vec<f64>> =
-        without_commas(text, has_commas).split_whitespace().map(|word| word.parse().ok()).collect();
-    let good = match (value, &numbers) {
+        without_commas(text, has_commas).split_whitespace().map(|number| number.parse().ok()).collect();
+    let is_valid = match (value, &numbers) {
         (Text, _) => true,
         (Name, _) => !text.is_empty() && text.trim() == text,
         (_, None) => false,
@@ -273,15 +273,15 @@ fn attribute(
             };
             let in_range = match value {
                 NotNegative => n.iter().all(|x| *x >= 0.0),
-                Mass => n.iter().all(|x| (0.0..=HEAVIEST).contains(x)),
-                Position => n.iter().all(|x| x.abs() <= FURTHEST),
+                Mass => n.iter().all(|x| (0.0..=MAX_MASS).contains(x)),
+                Position => n.iter().all(|x| x.abs() <= MAX_COORDINATE),
                 Positive | PositiveVector(_) => n.iter().all(|x| *x > 0.0),
                 _ => true,
             };
             n.len() == length && in_range && n.iter().all(|x| x.is_finite())
         }
     };
-    if good {
+    if is_valid {
         if has_commas {
             let message = format!("{}: commas in `{name}=\"{text}\"` are read as spaces", describe(node));
             notices.warning(xml.source, node.range().start, message);
@@ -291,7 +291,7 @@ fn attribute(
     let message = format!("{}: `{name}` of <{}> cannot be used", describe(node), node.tag_name().name());
     let mut fault = xml.attribute_fault(node, name, message).expected(describe_value(value));
     if text.contains("${") {
-        fault = fault.help("this looks like xacro: run the file through xacro first");
+        fault = fault.help("this appears to be a xacro file: run it through xacro first");
     }
     Err(fault.invalid())
 }
@@ -304,8 +304,8 @@ fn describe_value(value: Value) -> String {
         NotNegative => "a finite number, not negative".into(),
         Positive => "a finite number above 0".into(),
         Vector(n) => format!("{n} finite numbers separated by spaces"),
-        Mass => format!("a mass in kg, not negative and at most {HEAVIEST:e}"),
-        Position => format!("3 finite numbers separated by spaces, in m and at most {FURTHEST:e}"),
+        Mass => format!("a mass in kg, not negative and at most {MAX_MASS:e}"),
+        Position => format!("3 finite numbers separated by spaces, in m and at most {MAX_COORDINATE:e}"),
         PositiveVector(n) => format!("{n} finite numbers above 0 separated by spaces"),
     }
 }

@@ -7,15 +7,16 @@ use roxmltree::Node;
 use urdf_rs::JointType;
 
 use super::xml::{Xml, child};
-use crate::robot::error::RobotError;
 use crate::robot::friction::{SLIP_SPEED, STRIBECK_SPEED};
 use crate::robot::model::{Drive, Joint, JointKind};
 use crate::robot::notices::Notices;
+use crate::robot::robot_error::RobotError;
 use crate::text::suggest::nearest;
 
 const KNOWN_TYPES: [&str; 6] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
 
-/// Refuses joint types that cannot be simulated; called before `urdf-rs` reports them without a position.
+/// Refuses joint types that cannot be simulated; called before `urdf-rs` reports them without a
+/// position.
 pub(super) fn check_type(xml: &Xml, node: Node) -> Result<(), RobotError> {
     let name = node.attribute("name").unwrap_or_default();
     let kind = node.attribute("type").unwrap_or_default();
@@ -43,8 +44,8 @@ pub(in crate::robot) struct Mimic {
     pub offset: f64,
 }
 
-/// The `<mimic>` of a joint. To follow exactly would take a constraint: the joint is independent, with its own drive, and
-/// only its home follows.
+/// The `<mimic>` of a joint. There is no constraint that would make the joint follow exactly: it is
+/// independent, with its own drive, and only its home follows.
 pub(super) fn mimic(xml: &Xml, node: Node, notices: &mut Notices) -> Option<Mimic> {
     let mimic = child(node, "mimic")?;
     let joint = node.attribute("name").unwrap_or_default().to_owned();
@@ -60,18 +61,19 @@ pub(super) fn mimic(xml: &Xml, node: Node, notices: &mut Notices) -> Option<Mimi
     Some(Mimic { joint, of, multiplier: number("multiplier", 1.0), offset: number("offset", 0.0) })
 }
 
-/// Joints of a ring that are named.
-const MOST_NAMED: usize = 20;
+/// Greatest number of joints of a ring that a message names.
+const MAX_NAMED: usize = 20;
 
-/// Leaves out those that cannot be followed, by name: of joints that there are not, and those of a ring.
-pub(super) fn sound_mimics(mimics: &mut Vec<Mimic>, xml: &Xml, notices: &mut Notices) {
+/// Removes mimics that cannot be followed, with a warning: those of joints that do not exist, and
+/// rings of joints.
+pub(super) fn remove_invalid_mimics(mimics: &mut Vec<Mimic>, xml: &Xml, notices: &mut Notices) {
     let leaders: HashMap<&str, &str> = mimics.iter().rev().map(|m| (m.joint.as_str(), m.of.as_str())).collect();
     let node_of = |joint: &str| xml.named("joint", joint);
-    let mut unsound = HashSet::new();
+    let mut invalid = HashSet::new();
     for Mimic { joint, of: leader, .. } in &*mimics {
-        let (mut chain, mut met): (Vec<&str>, HashSet<&str>) = (vec![joint], HashSet::from([joint.as_str()]));
+        let (mut chain, mut visited): (Vec<&str>, HashSet<&str>) = (vec![joint], HashSet::from([joint.as_str()]));
         let mut next = Some(leader.as_str());
-        while let Some(name) = next.filter(|name| met.insert(name)) {
+        while let Some(name) = next.filter(|name| visited.insert(name)) {
             chain.push(name);
             next = leaders.get(name).copied();
         }
@@ -81,19 +83,19 @@ pub(super) fn sound_mimics(mimics: &mut Vec<Mimic>, xml: &Xml, notices: &mut Not
                 xml.robot.children().filter(|n| n.has_tag_name("joint")).filter_map(|n| n.attribute("name")),
             );
             let help = help.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-            format!("joint `{joint}` mimics `{leader}`, which is no joint of the robot{help}")
+            format!("joint `{joint}` mimics `{leader}`, which is not a joint of the robot{help}")
         } else if next == Some(joint) {
             let ring: Vec<String> = chain.iter().chain([&next.unwrap_or_default()]).map(|j| format!("`{j}`")).collect();
-            let more = if ring.len() > MOST_NAMED { ", ..." } else { "" };
-            format!("joints mimic each other in a ring: {}{more}", ring[..ring.len().min(MOST_NAMED)].join(", "))
+            let more = if ring.len() > MAX_NAMED { ", ..." } else { "" };
+            format!("joints mimic each other in a ring: {}{more}", ring[..ring.len().min(MAX_NAMED)].join(", "))
         } else {
             continue;
         };
         let at = child(node_of(joint), "mimic").unwrap_or(xml.robot).range().start;
         notices.warning(xml.source, at, format!("{message}: the home of `{joint}` does not follow"));
-        unsound.insert(joint.clone());
+        invalid.insert(joint.clone());
     }
-    mimics.retain(|m| !unsound.contains(&m.joint));
+    mimics.retain(|m| !invalid.contains(&m.joint));
 }
 
 /// A joint without limits, friction or actuator: one motion of a planar or floating joint.
@@ -114,18 +116,18 @@ pub(super) fn free_joint(name: String, kind: JointKind) -> Joint {
         armature: 0.0,
         lag: 0.0,
         drive: Drive::default(),
-        // Passive for good: a scenario's default drive must not hold it.
+        // Counts as configured, so that a scenario's default drive does not apply.
         drive_configured: true,
     }
 }
 
-/// The joint without its drive. Faults: no axis direction, one limit absent, limits the wrong way round.
+/// The joint without its drive. Errors: one limit absent, lower limit above the upper one.
 pub(super) fn joint(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) -> Result<Joint, RobotError> {
     let name = &joint.name;
     let node = xml.named("joint", name);
     let limit = child(node, "limit");
-    let given = |attribute: &str| limit.and_then(|l| l.attribute(attribute)).is_some();
-    let is_bounded = given("lower") || given("upper");
+    let has = |attribute: &str| limit.and_then(|l| l.attribute(attribute)).is_some();
+    let is_bounded = has("lower") || has("upper");
     let kind = match joint.joint_type {
         JointType::Continuous => JointKind::Continuous,
         JointType::Prismatic => JointKind::Prismatic,
@@ -138,7 +140,7 @@ pub(super) fn joint(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) ->
         notices.warning(xml.source, at, format!("joint `{name}` has no position limits: taken as unlimited"));
     } else if kind != JointKind::Continuous {
         for side in ["lower", "upper"] {
-            if !given(side) {
+            if !has(side) {
                 let fault = xml.fault(limit.unwrap_or(node), format!("joint `{name}` has no {side} limit"));
                 let help = "URDF would read an omitted limit as 0; a joint without limits is of type continuous";
                 let expected =
@@ -157,7 +159,7 @@ pub(super) fn joint(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) ->
     }
     let at = limit.unwrap_or(node).range().start;
     let mut bound = |attribute: &str, value: f64| {
-        if given(attribute) {
+        if has(attribute) {
             if value == 0.0 {
                 notices.warning(xml.source, at, format!("joint `{name}`: {attribute} limit 0 lets no drive act"));
             }
@@ -194,16 +196,16 @@ pub(super) fn axis(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) -> 
     let name = &joint.name;
     let node = xml.named("joint", name);
     let Some(element) = child(node, "axis") else {
-        notices.info(xml.source, node.range().start, format!("joint `{name}` has no <axis>: 1 0 0 is taken"));
+        notices.info(xml.source, node.range().start, format!("joint `{name}` has no <axis>: 1 0 0 is used"));
         return Ok(Vector3::x());
     };
     let axis = Vector3::from(joint.axis.xyz.0);
     let length = axis.norm();
     if length < 1e-6 {
-        let fault = xml.attribute_fault(element, "xyz", format!("joint `{name}` has an axis of no length"));
+        let fault = xml.attribute_fault(element, "xyz", format!("joint `{name}` has an axis of length 0"));
         return Err(fault.expected("a direction, such as 0 0 1").invalid());
     }
-    // Few printed digits cause rounding; larger deviations are reported.
+    // Deviations beyond the rounding of printed digits are reported.
     if (length - 1.0).abs() > 1e-3 {
         let message = format!("axis of joint `{name}` has length {length:.6}: normalised");
         notices.info(xml.source, element.range().start, message);

@@ -1,8 +1,8 @@
 //! Reads a URDF to the tree of moving links.
 //!
-//! `urdf-rs` reads the values. It accepts vectors with commas, unknown parents, and missing inertias and limits, and it
-//! keeps no positions. So [`grammar`] checks the XML first and refuses what would otherwise change meaning silently; each
-//! value that `urdf-rs` returns is then one of the file.
+//! `urdf-rs` reads the values. It accepts vectors with commas, unknown parents, and missing
+//! inertias and limits, and it reports no positions. [`grammar`] therefore checks the XML first and
+//! refuses files whose meaning `urdf-rs` would change silently.
 //!
 //! Called by the loader of robots.
 
@@ -19,13 +19,11 @@ mod xml;
 
 use std::path::PathBuf;
 
-pub use inertia::RigidInertia;
-pub(super) use inertia::{Flaw, examine, moments_text};
 pub(super) use joint_limits::Mimic;
 
-use super::error::{FileError, RobotError};
 use super::model::{Base, Model};
 use super::notices::Notices;
+use super::robot_error::{FileError, RobotError};
 use crate::text::source::Source;
 
 /// The robot as the URDF describes it.
@@ -48,15 +46,15 @@ pub enum InertiaPolicy {
     Repair,
 }
 
-/// Reads a URDF. `base` overrides how the root is held.
+/// Reads a URDF. `base`, if given, decides how the root is held.
 pub(super) fn load(
     source: &Source,
     base: Option<Base>,
     policy: InertiaPolicy,
     notices: &mut Notices,
 ) -> Result<Loaded, RobotError> {
-    if let Some(at) = xml::crowded(source.text()) {
-        let message = format!("an element has more than {} attributes", xml::MOST_ATTRIBUTES);
+    if let Some(at) = xml::excess_attribute(source.text()) {
+        let message = format!("an element has more than {} attributes", xml::MAX_ATTRIBUTES);
         return Err(FileError::new(source, at..at + 1, message).syntax());
     }
     let document = roxmltree::Document::parse(source.text()).map_err(|e| xml::syntax_error(source, &e))?;
@@ -67,18 +65,19 @@ pub(super) fn load(
         joint_limits::check_type(&xml, joint)?;
         mimics.extend(joint_limits::mimic(&xml, joint, notices));
     }
-    let robot = urdf_rs::read_from_string(&sanitized_text::sanitized(&xml)).map_err(|e| {
+    let robot = urdf_rs::read_from_string(&sanitized_text::sanitize(&xml)).map_err(|e| {
         FileError::new(source, document.root_element().range(), format!("the URDF cannot be read: {e}")).invalid()
     })?;
-    agree(&robot, &xml)?;
-    joint_limits::sound_mimics(&mut mimics, &xml, notices);
+    check_agreement(&robot, &xml)?;
+    joint_limits::remove_invalid_mimics(&mut mimics, &xml, notices);
     let tree = tree::Tree::new(&robot, &xml)?;
     let root = root::choose(&tree, &xml, base, notices)?;
     Ok(Loaded { mimics, ..moving_tree::build(&tree, &xml, root, policy, notices)? })
 }
 
-/// Both readers must find the same links and joints, since one gives the values and the other the positions.
-fn agree(robot: &urdf_rs::Robot, xml: &xml::Xml) -> Result<(), RobotError> {
+/// Both readers must find the same links and joints, since one gives the values and the other the
+/// positions.
+fn check_agreement(robot: &urdf_rs::Robot, xml: &xml::Xml) -> Result<(), RobotError> {
     let names = |tag| xml.robot.children().filter(move |n| n.has_tag_name(tag)).filter_map(|n| n.attribute("name"));
     let links = robot.links.iter().map(|l| l.name.as_str());
     let joints = robot.joints.iter().map(|j| j.name.as_str());

@@ -1,17 +1,18 @@
-//! Builds the tree of moving links from the URDF's: fixed joints are welded, and each joint axis becomes z.
+//! Builds the tree of moving links from the URDF's: fixed joints are welded, and each joint axis
+//! becomes z.
 
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use urdf_rs::JointType;
 
-use super::inertia::{FlawedPart, RigidInertia, judge, link_inertia, without_inertia};
+use super::inertia::{FlawedPart, check_inertias, link_inertia, without_inertia};
 use super::root::Root;
 use super::shapes::{Shapes, isometry};
 use super::tree::Tree;
 use super::xml::Xml;
 use super::{InertiaPolicy, Loaded, compound_joints, joint_limits};
-use crate::robot::error::RobotError;
 use crate::robot::model::{Joint, Link, LinkId, Merged, Model};
 use crate::robot::notices::Notices;
+use crate::robot::robot_error::RobotError;
 
 /// The next URDF link: welded to a link of the tree, or moved by a joint.
 enum Step {
@@ -19,8 +20,8 @@ enum Step {
     Move { joint: usize, carrier: usize, frame: Isometry3<f64> },
 }
 
-/// Builds the model. Links come in depth-first order, siblings in the order of their joints in the file. With
-/// [`InertiaPolicy::Repair`], joints that nothing resists are locked.
+/// Builds the model. Links come in depth-first order, siblings in the order of their joints in the
+/// file. With [`InertiaPolicy::Repair`], joints that nothing resists are locked.
 pub(super) fn build(
     tree: &Tree,
     xml: &Xml,
@@ -29,7 +30,7 @@ pub(super) fn build(
     notices: &mut Notices,
 ) -> Result<Loaded, RobotError> {
     let mut shapes = Shapes::new(xml, &tree.robot.materials);
-    let mut parts = gather(tree, xml, &root, policy, &[], &mut shapes, notices)?;
+    let mut parts = walk(tree, xml, &root, policy, &[], &mut shapes, notices)?;
     if policy == InertiaPolicy::Repair {
         let bare = without_inertia(&parts.links, &parts.joints, root.base);
         let mut locked: Vec<usize> = bare.iter().filter(|&&i| i > 0).map(|&i| parts.moved_by[i - 1]).collect();
@@ -39,10 +40,10 @@ pub(super) fn build(
             notices.warning(xml.source, xml.named("joint", &joint.name).range().start, message);
         }
         if !locked.is_empty() {
-            parts = gather(tree, xml, &root, policy, &locked, &mut shapes, notices)?;
+            parts = walk(tree, xml, &root, policy, &locked, &mut shapes, notices)?;
         }
     }
-    judge(xml, &parts, root.base, notices)?;
+    check_inertias(xml, &parts, root.base, notices)?;
     let Parts { links, joints, .. } = parts;
     let home = vec![0.0; joints.len()];
     let name = tree.robot.name.clone();
@@ -55,14 +56,14 @@ pub(super) fn build(
 pub(super) struct Parts {
     pub links: Vec<Link>,
     pub joints: Vec<Joint>,
-    /// For each of `joints`, the URDF joint it is, or is a motion of.
+    /// For each of `joints`, the URDF joint that it is or belongs to.
     moved_by: Vec<usize>,
     /// Flaws of the inertias of single URDF links.
     pub flawed: Vec<FlawedPart>,
 }
 
 /// Walks the tree; URDF joints in `locked` are welded.
-fn gather(
+fn walk(
     tree: &Tree,
     xml: &Xml,
     root: &Root,
@@ -85,7 +86,8 @@ fn gather(
                 let child_name = &tree.robot.links[child].name;
                 let (mut carrier, mut frame) = (carrier, frame);
                 for (moved, motion, axis) in motions(xml, urdf_joint, child_name, notices)? {
-                    // Internal frame of the moved link, seen from its URDF frame: same origin, z along the axis.
+                    // Internal frame of the moved link, seen from its URDF frame: same origin, z
+                    // along the axis.
                     let turn = z_to(&axis);
                     let at_zero = frame * turn;
                     let mut link = bare_link(&moved, Some(LinkId(carrier)));
@@ -101,18 +103,17 @@ fn gather(
             }
         };
         let urdf_link = &tree.robot.links[index];
-        let here = &mut links[carrier];
-        if here.name != urdf_link.name {
-            here.merged.push(Merged { name: urdf_link.name.clone(), pose: frame });
+        let carrying = &mut links[carrier];
+        if carrying.name != urdf_link.name {
+            carrying.merged.push(Merged { name: urdf_link.name.clone(), pose: frame });
         }
         let mut note = |flaw, fault| flawed.push(FlawedPart { carrier, flaw, fault });
         if let Some(own) = link_inertia(xml, urdf_link, policy, &mut note, notices) {
-            let sum = RigidInertia { mass: here.mass, com: here.com, tensor: here.inertia }.plus(&own.moved(&frame));
-            (here.mass, here.com, here.inertia) = (sum.mass, sum.com, sum.tensor);
+            carrying.set_body(&carrying.body().plus(&own.transformed(&frame)));
         }
-        here.visuals.extend(shapes.visuals(urdf_link, &frame, notices));
-        here.collisions.extend(shapes.collisions(urdf_link, &frame, notices));
-        // Reversed, since the stack hands the last one out first.
+        carrying.visuals.extend(shapes.visuals(urdf_link, &frame, notices));
+        carrying.collisions.extend(shapes.collisions(urdf_link, &frame, notices));
+        // Reversed, since the stack returns the last one first.
         for &joint in tree.joints_of[index].iter().rev() {
             let origin = frame * isometry(&tree.robot.joints[joint].origin);
             stack.push(match tree.robot.joints[joint].joint_type {
@@ -125,7 +126,8 @@ fn gather(
     Ok(Parts { links, joints, moved_by, flawed })
 }
 
-/// The motions of one joint, parent's side first: name of the moved link, joint, unit axis in the joint's frame.
+/// The motions of one joint, parent's side first: name of the moved link, joint, unit axis in the
+/// joint's frame.
 fn motions(
     xml: &Xml,
     joint: &urdf_rs::Joint,
@@ -156,8 +158,8 @@ fn motions(
     Ok(chain.collect())
 }
 
-/// The rotation that takes z to a unit axis. Axes along x, y or z get exact quaternions, so that a robot drawn with
-/// them has rotation matrices of zeros and ones.
+/// The rotation that takes z to a unit axis. Axes along x, y or z get exact quaternions, so that a
+/// robot drawn with them has rotation matrices of zeros and ones.
 fn z_to(axis: &Vector3<f64>) -> UnitQuaternion<f64> {
     let exact = |w: f64, x: f64, y: f64, z: f64| UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z));
     match (axis.x, axis.y, axis.z) {
@@ -167,13 +169,15 @@ fn z_to(axis: &Vector3<f64>) -> UnitQuaternion<f64> {
         (_, 0.0, 0.0) => exact(0.5, 0.5, -0.5, -0.5),
         (0.0, y, 0.0) if y > 0.0 => exact(0.5, -0.5, -0.5, -0.5),
         (0.0, _, 0.0) => exact(0.5, 0.5, 0.5, -0.5),
-        // The half-way quaternion (1 + z . a, z x a) is ill-conditioned near -z: start from there by a half turn about x.
+        // The half-way quaternion (1 + z . a, z x a) is ill-conditioned near -z: start from there
+        // by a half turn about x.
         (x, y, z) if z < 0.0 => shortest(-y, x, z) * exact(0.0, 1.0, 0.0, 0.0),
         (x, y, z) => shortest(-y, x, z),
     }
 }
 
-/// The shortest rotation to (.., .., z) from z (or from -z when `z` is negative); `cx`, `cy` are those of z x axis.
+/// The shortest rotation to (.., .., z) from z (or from -z when `z` is negative); `cx`, `cy` are
+/// those of z x axis.
 fn shortest(cx: f64, cy: f64, z: f64) -> UnitQuaternion<f64> {
     let sign = z.signum();
     UnitQuaternion::new_normalize(nalgebra::Quaternion::new(1.0 + z.abs(), sign * cx, sign * cy, 0.0))

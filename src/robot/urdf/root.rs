@@ -6,9 +6,9 @@ use urdf_rs::JointType;
 use super::shapes::isometry;
 use super::tree::Tree;
 use super::xml::{Xml, child};
-use crate::robot::error::RobotError;
 use crate::robot::model::Base;
 use crate::robot::notices::Notices;
+use crate::robot::robot_error::RobotError;
 
 /// The simulated root.
 pub(super) struct Root {
@@ -18,9 +18,9 @@ pub(super) struct Root {
     pub base: Base,
 }
 
-/// A root named `world` without mass is the world itself: what is welded or jointed to it is fixed, what hangs
-/// on a floating joint is free. So is what hangs on the only joint of any massless root if that joint floats. Any other
-/// root is free unless `requested` says otherwise.
+/// A massless root link is the world itself if its name is `world` or its only joint floats. The
+/// child of a floating only joint becomes the free root; otherwise the world is the fixed root. Any
+/// other root link is free. `requested` overrides this where possible.
 pub(super) fn choose(
     tree: &Tree,
     xml: &Xml,
@@ -36,7 +36,11 @@ pub(super) fn choose(
     let is_world = is_massless && (link.name == "world" || floats);
     if !is_world {
         if link.name == "world" {
-            notices.warning(xml.source, node.range().start, "root link `world` has a mass: taken as an ordinary link");
+            notices.warning(
+                xml.source,
+                node.range().start,
+                "root link `world` has a mass: treated as an ordinary link",
+            );
         }
         return Ok(Root { link: root, base: requested.unwrap_or(Base::Floating) });
     }

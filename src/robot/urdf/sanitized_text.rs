@@ -1,5 +1,5 @@
-//! The text given to `urdf-rs`, which requires a velocity limit and attributes of elements that are not used here, reads
-//! commas as zeros, and overflows the stack on deeply nested elements.
+//! The text given to `urdf-rs`, which requires a velocity limit and attributes of elements that are
+//! not used here, reads commas as zeros, and overflows the stack on deeply nested elements.
 
 use std::ops::Range;
 
@@ -8,9 +8,9 @@ use roxmltree::Node;
 use super::grammar::{has_commas, is_read};
 use super::xml::Xml;
 
-/// The file's text without the elements that are not read, with `velocity="0"` where a `<limit>` has none (its
-/// presence is checked in the original), and with spaces for commas.
-pub(super) fn sanitized(xml: &Xml) -> String {
+/// The file's text without elements that are not read, with `velocity="0"` added to each `<limit>`
+/// that lacks it (its presence is checked in the original), and with commas replaced by spaces.
+pub(super) fn sanitize(xml: &Xml) -> String {
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
     let text = xml.source.text();
     collect(text, xml.robot, &mut edits);
@@ -25,7 +25,8 @@ pub(super) fn sanitized(xml: &Xml) -> String {
     out
 }
 
-/// Edits in document order. The elements that are read nest at most five deep, so this recursion is bounded.
+/// Edits in document order. The elements that are read nest at most five deep, so this recursion is
+/// bounded.
 fn collect(text: &str, node: Node, edits: &mut Vec<(Range<usize>, String)>) {
     for child in node.children().filter(|n| n.is_element()) {
         if !is_read(node, child) {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::xml::{Xml, child};
-use crate::robot::error::RobotError;
+use crate::robot::robot_error::RobotError;
 
 /// Links and joints by index into the URDF's lists.
 pub(super) struct Tree<'a> {
@@ -17,7 +17,8 @@ pub(super) struct Tree<'a> {
 }
 
 impl<'a> Tree<'a> {
-    /// Errors: duplicate names, joints that name unknown links, a link under two joints, several roots, loops.
+    /// Errors: duplicate names, joints that name unknown links, a link under two joints, several
+    /// roots, loops.
     pub fn new(robot: &'a urdf_rs::Robot, xml: &Xml) -> Result<Self, RobotError> {
         unique_names(xml, "link")?;
         unique_names(xml, "joint")?;
@@ -54,22 +55,22 @@ impl<'a> Tree<'a> {
         }
         let root = single_root(robot, xml, &above)?;
         let tree = Self { robot, joints_of, child_of, root };
-        tree.all_reached(xml, &above)?;
+        tree.check_connected(xml, &above)?;
         Ok(tree)
     }
 
     /// Refuses loops: a link without a path to the root is in, or below, a loop of joints.
-    fn all_reached(&self, xml: &Xml, above: &[Option<usize>]) -> Result<(), RobotError> {
+    fn check_connected(&self, xml: &Xml, above: &[Option<usize>]) -> Result<(), RobotError> {
         let mut reached = vec![false; above.len()];
         let mut stack = vec![self.root];
         while let Some(link) = stack.pop() {
             reached[link] = true;
             stack.extend(self.joints_of[link].iter().map(|&j| self.child_of[j]));
         }
-        let Some(lost) = reached.iter().position(|r| !r) else { return Ok(()) };
+        let Some(unreached) = reached.iter().position(|r| !r) else { return Ok(()) };
         // After as many steps to the parent as there are links the walk is inside the loop.
         let parent = |link: usize| above[link].map_or(link, |j| self.parent_of(j));
-        let start = (0..above.len()).fold(lost, |link, _| parent(link));
+        let start = (0..above.len()).fold(unreached, |link, _| parent(link));
         let mut names = vec![self.robot.links[start].name.as_str()];
         let mut link = parent(start);
         while link != start {
@@ -77,7 +78,7 @@ impl<'a> Tree<'a> {
             link = parent(link);
         }
         names.reverse();
-        let message = format!("the joints form a loop through the links {}", list(&names));
+        let message = format!("the joints form a loop through the links {}", quoted_list(&names));
         Err(xml.fault(xml.named("link", names[0]), message).expected("a tree with one root").invalid())
     }
 
@@ -93,7 +94,7 @@ fn unique_names(xml: &Xml, tag: &str) -> Result<(), RobotError> {
         let line = xml.source.line(node.range().start);
         if let Some(first) = lines.insert(name, line) {
             let fault = xml.attribute_fault(node, "name", format!("there are two {tag}s named `{name}`"));
-            return Err(fault.expected("a name of its own").help(format!("the other is on line {first}")).invalid());
+            return Err(fault.expected("a unique name").help(format!("the other is on line {first}")).invalid());
         }
     }
     Ok(())
@@ -105,19 +106,20 @@ fn single_root(robot: &urdf_rs::Robot, xml: &Xml, above: &[Option<usize>]) -> Re
         [root] => Ok(root),
         [] => {
             let names: Vec<&str> = robot.links.iter().map(|l| l.name.as_str()).collect();
-            let message = format!("every link is moved by a joint: the joints form a loop through {}", list(&names));
+            let message =
+                format!("every link is moved by a joint: the joints form a loop through {}", quoted_list(&names));
             Err(xml.fault(xml.named("link", names[0]), message).expected("a tree with one root").invalid())
         }
         [_, second, ..] => {
             let names: Vec<&str> = roots.iter().map(|&r| robot.links[r].name.as_str()).collect();
-            let message = format!("there are {} root links: {}", names.len(), list(&names));
+            let message = format!("there are {} root links: {}", names.len(), quoted_list(&names));
             let node = xml.named("link", &robot.links[second].name);
             Err(xml.fault(node, message).expected("one root, every other link the child of a joint").invalid())
         }
     }
 }
 
-fn list(names: &[&str]) -> String {
+fn quoted_list(names: &[&str]) -> String {
     let quoted: Vec<String> = names.iter().take(8).map(|n| format!("`{n}`")).collect();
     let rest = if names.len() > 8 { format!(" and {} more", names.len() - 8) } else { String::new() };
     quoted.join(", ") + &rest

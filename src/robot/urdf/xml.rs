@@ -1,18 +1,19 @@
-//! The XML tree with the source it came from: elements by name, positions of attributes, errors.
+//! The XML tree with its source: elements by name, positions of attributes, errors.
 
 use std::collections::HashMap;
 use std::ops::Range;
 
 use roxmltree::{Document, Node};
 
-use crate::robot::error::{FileError, RobotError};
+use crate::robot::robot_error::{FileError, RobotError};
 use crate::text::source::Source;
 
-/// Most attributes of an element: the parser compares all pairs.
-pub(super) const MOST_ATTRIBUTES: usize = 1000;
+/// Greatest number of attributes of an element: the parser compares all pairs.
+pub(super) const MAX_ATTRIBUTES: usize = 1000;
 
-/// The byte at which an element exceeds [`MOST_ATTRIBUTES`]. Text between two elements counts as part of the first.
-pub(super) fn crowded(text: &str) -> Option<usize> {
+/// The byte at which an element exceeds [`MAX_ATTRIBUTES`]. Text between two elements counts as
+/// part of the first.
+pub(super) fn excess_attribute(text: &str) -> Option<usize> {
     let (mut count, mut is_given) = (0, false);
     for (at, byte) in text.bytes().enumerate() {
         match byte {
@@ -21,7 +22,7 @@ pub(super) fn crowded(text: &str) -> Option<usize> {
             _ => {}
         }
         is_given = byte == b'=' || is_given && byte.is_ascii_whitespace();
-        if count > MOST_ATTRIBUTES {
+        if count > MAX_ATTRIBUTES {
             return Some(at);
         }
     }
@@ -32,7 +33,7 @@ pub(super) fn crowded(text: &str) -> Option<usize> {
 pub(super) struct Xml<'a> {
     pub source: &'a Source,
     pub robot: Node<'a, 'a>,
-    /// Elements directly under `<robot>` by tag and name; of those that share both the first.
+    /// Elements directly under `<robot>` by tag and name; the first of those that share both.
     named: HashMap<(&'a str, &'a str), Node<'a, 'a>>,
 }
 
@@ -53,7 +54,8 @@ impl<'a> Xml<'a> {
         Ok(Self { source, robot, named })
     }
 
-    /// The `<link>` or `<joint>` of that name directly under `<robot>`; the root element if there is none.
+    /// The `<link>` or `<joint>` of that name directly under `<robot>`; the root element if there
+    /// is none.
     pub fn named(&self, tag: &str, name: &str) -> Node<'a, 'a> {
         self.named.get(&(tag, name)).copied().unwrap_or(self.robot)
     }
@@ -87,7 +89,7 @@ pub(super) fn describe(node: Node) -> String {
         .unwrap_or_else(|| format!("<{}>", node.tag_name().name()))
 }
 
-/// The bytes of an element's opening tag only: an element may span hundreds of lines.
+/// The bytes of an element's opening tag; the element may span hundreds of lines.
 fn open_tag(source: &Source, node: Node) -> Range<usize> {
     let range = node.range();
     let text = source.text();

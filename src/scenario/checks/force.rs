@@ -1,10 +1,11 @@
 //! Rules for `[[force]]`.
 
-use super::{Check, KeyPath};
+use super::Check;
 use crate::scenario::format::force::{AnchorSpec, ForceSpec, Grip, Profile, RandomPushes};
+use crate::scenario::segment;
 
 impl Check<'_> {
-    /// `path` is the entry's, `end` the run's, s.
+    /// `path` is that of the entry, `end` the end of the run, s.
     pub(super) fn force(&mut self, path: &str, force: &ForceSpec, end: f64) {
         match force.grip() {
             Some(Grip { link: None, end_effector: None }) => self.error(path, "needs `link` or `end_effector`"),
@@ -47,7 +48,7 @@ impl Check<'_> {
                     self.error(path, "needs `all`, or `joints` with at least one joint");
                 }
                 let all = friction.all.iter().map(|f| ("all".to_owned(), f));
-                let joints = friction.joints.iter().map(|(name, f)| (format!("joints.{}", KeyPath::segment(name)), f));
+                let joints = friction.joints.iter().map(|(name, f)| (format!("joints.{}", segment(name)), f));
                 for (key, f) in all.chain(joints) {
                     if let Some(value) = f.static_.filter(|s| *s < f.coulomb) {
                         let must = format!("must not be smaller than `coulomb` = {}, not {value}", f.coulomb);

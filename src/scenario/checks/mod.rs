@@ -1,4 +1,5 @@
-//! Rules that involve several values of a scenario; each error is shown at the value that breaks the rule.
+//! Checks rules that involve several values of a scenario. Each error is shown at the value that
+//! breaks the rule.
 
 mod event;
 mod force;
@@ -16,11 +17,11 @@ use crate::scenario::key_path::KeyPath;
 use crate::text::source::Span;
 use crate::text::toml_tree::Node;
 
-/// Most readings of a sensor that wait for their delay.
-const MOST_READINGS: f64 = 1e5;
+/// Greatest number of delayed readings of a sensor.
+const MAX_READINGS: f64 = 1e5;
 
-/// Most entries of a list; some checks compare all pairs.
-const MOST_ENTRIES: usize = 10_000;
+/// Greatest number of entries of a list; some checks compare all pairs.
+const MAX_ENTRIES: usize = 10_000;
 
 /// Checks of a scenario whose single values are valid.
 struct Check<'a> {
@@ -72,11 +73,11 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
         check.force(&format!("force.{i}"), force, scenario.duration);
     }
     check.delays(scenario);
-    check.end(scenario.stop.at, scenario.duration);
+    check.stop_time(scenario.stop.at, scenario.duration);
     check.events(&scenario.event, scenario.task.len(), scenario.end());
     for (i, expect) in scenario.expect.iter().enumerate() {
         check.expect(&format!("expect.{i}"), expect);
-        check.compared(&format!("expect.{i}.metric"), expect, scenario.compare.as_ref());
+        check.error_metric(&format!("expect.{i}.metric"), expect, scenario.compare.as_ref());
     }
     if scenario.compare.as_ref().is_some_and(|compare| *compare == CompareSpec::default()) {
         check.error("compare", "needs `reference`, `truth` or `timing_repeats`");
@@ -84,7 +85,7 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
 }
 
 impl Check<'_> {
-    /// Checks the address of a remote robot; a key requires an address.
+    /// Checks the address of a remote robot. `backend_key` requires an address.
     fn backend(&mut self, scenario: &Scenario) {
         let robot = &scenario.robot;
         if let Some(backend) = &robot.backend
@@ -108,9 +109,9 @@ impl Check<'_> {
             ("robot.payload", scenario.robot.payload.len()),
             ("robot.soles", scenario.robot.soles.as_ref().map_or(0, Vec::len)),
         ];
-        let long = lists.into_iter().find(|(_, count)| *count > MOST_ENTRIES);
+        let long = lists.into_iter().find(|(_, count)| *count > MAX_ENTRIES);
         if let Some((path, count)) = long {
-            self.error(path, format!("has {count} entries, at most {MOST_ENTRIES} are allowed"));
+            self.error(path, format!("has {count} entries, at most {MAX_ENTRIES} are allowed"));
         }
         long.is_none()
     }
@@ -129,10 +130,10 @@ impl Check<'_> {
             ("sole_moment", s.sole_moment.delay),
         ];
         let rate = scenario.control.rate;
-        for (sensor, delay) in delays.into_iter().filter(|(_, delay)| delay * rate > MOST_READINGS) {
+        for (sensor, delay) in delays.into_iter().filter(|(_, delay)| delay * rate > MAX_READINGS) {
             let must = format!(
-                "must be at most {MOST_READINGS} ticks, that is {} s at `control.rate` = {rate}, not {delay}",
-                MOST_READINGS / rate
+                "must be at most {MAX_READINGS} ticks, that is {} s at `control.rate` = {rate}, not {delay}",
+                MAX_READINGS / rate
             );
             self.error(&format!("sensors.{sensor}.delay"), must);
         }
@@ -147,6 +148,12 @@ impl Check<'_> {
         KeyPath::internal(path).get(self.root).is_some_and(|node| node.get(key).is_some())
     }
 
+    fn warning(&mut self, path: &str, message: String) {
+        let span = self.spans(path).1;
+        self.findings.warning(span, message, None);
+    }
+
+    /// Reports that the value at `path` violates a rule; `must` follows the path in the message.
     fn error(&mut self, path: &str, must: impl AsRef<str>) {
         let span = self.spans(path).1;
         self.findings.error(span, format!("`{path}` {}", must.as_ref()), None);
@@ -186,8 +193,8 @@ impl Check<'_> {
         self.inertia(&format!("robot.payload.{i}.inertia"), payload.inertia);
     }
 
-    /// A rigid body's inertia tensor is positive semidefinite, and so is `trace/2 * 1 - inertia`, the second moment of its
-    /// mass (the triangle inequality in any axes).
+    /// A rigid body's inertia tensor is positive semidefinite, and so is `trace/2 * 1 - inertia`,
+    /// the second moment of its mass (the triangle inequality in any axes).
     fn inertia(&mut self, path: &str, [xx, yy, zz, xy, xz, yz]: [f64; 6]) {
         let half = (xx + yy + zz) / 2.0;
         let tolerance = 1e-9 * half.abs();
@@ -199,23 +206,25 @@ impl Check<'_> {
 
     fn starts_in_time(&mut self, path: &str, start: f64, end: f64) {
         if start >= end {
-            let span = self.spans(&format!("{path}.start")).1;
-            self.findings.warning(span, format!("`{path}` starts at {start} s, but the run ends at {end} s"), None);
+            let message = format!("`{path}` starts at {start} s, but the run ends at {end} s");
+            self.warning(&format!("{path}.start"), message);
         }
     }
 
-    /// Errors against a reference run need one.
-    fn compared(&mut self, path: &str, expect: &Expect, compare: Option<&CompareSpec>) {
+    /// Metrics of errors require a reference run or a truth.
+    fn error_metric(&mut self, path: &str, expect: &Expect, compare: Option<&CompareSpec>) {
         let reference = compare.is_some_and(|c| c.reference.is_some());
         if let Some(metric) = expect.metric.as_deref().filter(|m| is_distance(m) && !reference) {
-            self.error(path, format!("names `{metric}`, which takes a reference run: `[compare]` with `reference`"));
+            self.error(path, format!("names `{metric}`, which requires a reference run: `[compare]` with `reference`"));
         }
         let distance = expect.metric.as_deref().filter(|m| !METRICS.contains(m)).and_then(|m| m.strip_prefix("error_"));
         let known = |metric: &str| compare.is_some_and(|c| c.truth.keys().any(|truth| truth.0 == metric));
         if let Some(metric) = distance.filter(|metric| !known(metric)) {
             self.error(
                 path,
-                format!("names `error_{metric}`, which takes a truth: `[compare]` with `truth = {{ {metric} = .. }}`"),
+                format!(
+                    "names `error_{metric}`, which requires a truth: `[compare]` with `truth = {{ {metric} = .. }}`"
+                ),
             );
         }
     }
@@ -223,7 +232,7 @@ impl Check<'_> {
     fn expect(&mut self, path: &str, expect: &Expect) {
         let limits = expect.min.is_some() || expect.max.is_some();
         let tolerance = expect.tolerance.or(expect.relative_tolerance);
-        let complaint = match (&expect.metric, expect.outcome) {
+        let message = match (&expect.metric, expect.outcome) {
             (Some(_), Some(_)) => Some("must have either `metric` or `outcome`, not both"),
             (None, None) => Some("lacks the key `metric` (or `outcome`)"),
             (None, Some(_)) if expect.value.is_some() || tolerance.is_some() || limits => {
@@ -238,8 +247,8 @@ impl Check<'_> {
                 _ => None,
             },
         };
-        if let Some(complaint) = complaint {
-            self.error(path, complaint);
+        if let Some(message) = message {
+            self.error(path, message);
         }
         if let (Some(min), Some(max)) = (expect.min, expect.max)
             && max < min
@@ -249,7 +258,8 @@ impl Check<'_> {
     }
 }
 
-/// Is a symmetric matrix `[xx, yy, zz, xy, xz, yz]` positive semidefinite: no principal minor below zero.
+/// True when a symmetric matrix `[xx, yy, zz, xy, xz, yz]` is positive semidefinite: no principal
+/// minor is below zero.
 fn semidefinite([xx, yy, zz, xy, xz, yz]: [f64; 6], tolerance: f64) -> bool {
     let (t, t2, t3) = (tolerance, tolerance * tolerance.max(xx + yy + zz), tolerance * (xx + yy + zz).powi(2));
     let determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);

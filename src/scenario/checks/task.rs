@@ -1,19 +1,20 @@
 //! Rules for `[[task]]`.
 
-use super::{Check, KeyPath};
+use super::Check;
 use crate::scenario::format::change::ChangeSpec;
 use crate::scenario::format::task::{
     BalanceControl, BalanceTask, ForceBalance, MocapTask, PositionBalance, SineTask, TaskSpec, WalkTask,
 };
+use crate::scenario::segment;
 use crate::text::suggest;
 
-/// Shortest step of a walk, s: some samples of its pattern.
+/// Shortest step of a walk, s: several samples of its pattern.
 const SHORTEST_STEP: f64 = 0.05;
-/// Longest walk that is planned, s: its pattern takes some hundred MB.
+/// Longest walk, s: its pattern takes several hundred MB.
 const LONGEST_WALK: f64 = 1e4;
 
 impl Check<'_> {
-    /// `path` is the entry's, `end` the run's, s.
+    /// `path` is that of the entry, `end` the end of the run, s.
     pub(super) fn task(&mut self, path: &str, task: &TaskSpec, end: f64) {
         let start = match task {
             TaskSpec::Posture(posture) => {
@@ -28,8 +29,8 @@ impl Check<'_> {
             }
             TaskSpec::Playback(playback) => {
                 self.file(path, &playback.file, &["toml", "csv", "mcap"]);
-                let times: Vec<f64> = playback.change.iter().map(|c| c.at).collect();
-                self.spaced_changes(path, &times, playback.start, playback.blend, "blend", end);
+                let times = playback.change.iter().map(|c| c.at);
+                self.spaced_changes(path, times, playback.start, playback.blend, "blend", end);
                 if playback.repeat && playback.ends.is_some() {
                     self.error(&format!("{path}.ends"), "has no meaning with `loop`: there is no end");
                 }
@@ -41,13 +42,13 @@ impl Check<'_> {
                 mocap.start
             }
             TaskSpec::Balance(balance) => {
-                self.soles_named(path, balance.soles.as_deref());
+                self.sole_list(path, balance.soles.as_deref());
                 for (joint, mobility) in balance.position.mobility.iter().filter(|(_, w)| **w < 0.0) {
                     let message = format!("must be 0 or greater, not {mobility}");
-                    self.error(&format!("{path}.position.mobility.{}", KeyPath::segment(joint)), message);
+                    self.error(&format!("{path}.position.mobility.{}", segment(joint)), message);
                 }
                 self.balance_changes(path, balance, end);
-                // Written out in full a scenario has both, the other with its defaults.
+                // A resolved scenario has both tables, the unused one with its defaults.
                 let (other, given) = match balance.control {
                     BalanceControl::Force => ("position", balance.position != PositionBalance::default()),
                     BalanceControl::Position => ("force", balance.force != ForceBalance::default()),
@@ -59,9 +60,9 @@ impl Check<'_> {
                 balance.start
             }
             TaskSpec::GravityCompensation(task) => {
-                self.soles_named(path, task.soles.as_deref());
-                let times: Vec<f64> = task.change.iter().map(|c| c.at).collect();
-                self.spaced_changes(path, &times, task.start, 0.0, "", end);
+                self.sole_list(path, task.soles.as_deref());
+                let times = task.change.iter().map(|c| c.at);
+                self.spaced_changes(path, times, task.start, 0.0, "", end);
                 task.start
             }
             TaskSpec::Script(script) => {
@@ -87,7 +88,8 @@ impl Check<'_> {
         self.starts_in_time(path, start, end);
     }
 
-    /// What is planned when a walk begins has bounds: steps of some periods of the pattern, and its length.
+    /// Limits the pattern that is planned when a walk begins: the step time from below, the whole
+    /// length from above.
     fn walk(&mut self, path: &str, walk: &WalkTask, end: f64) {
         if walk.step_time < SHORTEST_STEP {
             self.error(
@@ -116,7 +118,7 @@ impl Check<'_> {
     }
 
     /// A list of soles must not be empty.
-    fn soles_named(&mut self, path: &str, soles: Option<&[String]>) {
+    fn sole_list(&mut self, path: &str, soles: Option<&[String]>) {
         if soles.is_some_and(<[String]>::is_empty) {
             self.error(&format!("{path}.soles"), "must name at least one sole, or be left out: all");
         }
@@ -124,19 +126,18 @@ impl Check<'_> {
 
     /// Changes of a balance must set its own `control`.
     fn balance_changes(&mut self, path: &str, balance: &BalanceTask, end: f64) {
-        let times: Vec<f64> = balance.change.iter().map(|c| c.at).collect();
-        self.spaced_changes(path, &times, balance.start, 0.0, "", end);
+        let times = balance.change.iter().map(|c| c.at);
+        self.spaced_changes(path, times, balance.start, 0.0, "", end);
         for (i, change) in balance.change.iter().enumerate() {
-            let (own, other, given, stray) = match balance.control {
+            let (own, other, has_own, has_other) = match balance.control {
                 BalanceControl::Force => ("force", "position", change.force.is_some(), change.position.is_some()),
                 BalanceControl::Position => ("position", "force", change.position.is_some(), change.force.is_some()),
             };
-            if stray {
+            if has_other {
                 let message = format!("has no meaning with `control = \"{own}\"`");
                 self.error(&format!("{path}.change.{i}.{other}"), message);
-            } else if !given {
-                let span = self.spans(&format!("{path}.change.{i}")).1;
-                self.findings.error(span, format!("`{path}.change.{i}` needs `{own}`"), None);
+            } else if !has_own {
+                self.error(&format!("{path}.change.{i}"), format!("needs `{own}`"));
             }
         }
     }
@@ -149,8 +150,8 @@ impl Check<'_> {
             let must = format!("must be at least twice `ramp` = {}, not {duration}", sine.ramp);
             self.error(&format!("{path}.duration"), must);
         }
-        let times: Vec<f64> = sine.change.iter().map(|c| c.at).collect();
-        self.spaced_changes(path, &times, sine.start, sine.ramp, "ramp", end);
+        let times = sine.change.iter().map(|c| c.at);
+        self.spaced_changes(path, times, sine.start, sine.ramp, "ramp", end);
         for (i, change) in sine.change.iter().enumerate() {
             for name in change.joints.keys().filter(|name| !sine.joints.contains_key(*name)) {
                 let help = suggest::help(name, sine.joints.keys().map(String::as_str).collect::<Vec<_>>());
@@ -174,22 +175,28 @@ impl Check<'_> {
     }
 
     /// Changes must come after the start, each after the end of the previous one.
-    fn spaced_changes(&mut self, path: &str, times: &[f64], start: f64, apart: f64, what: &str, end: f64) {
-        for (i, at) in times.iter().enumerate() {
+    fn spaced_changes(
+        &mut self,
+        path: &str,
+        times: impl Iterator<Item = f64>,
+        start: f64,
+        min_gap: f64,
+        what: &str,
+        end: f64,
+    ) {
+        let mut previous = None;
+        for (i, at) in times.enumerate() {
             let key = format!("{path}.change.{i}.at");
-            match i.checked_sub(1).map(|before| times[before]) {
-                None if *at < start => self.error(&key, format!("must not be before `start` = {start}, not {at}")),
-                Some(before) if *at <= before => {
+            match previous.replace(at) {
+                None if at < start => self.error(&key, format!("must not be before `start` = {start}, not {at}")),
+                Some(before) if at <= before => {
                     self.error(&key, format!("must be after the previous change, at {before}, not {at}"));
                 }
-                Some(before) if *at < before + apart => {
-                    let must = format!("must be at least `{what}` = {apart} after the change at {before}, not {at}");
+                Some(before) if at < before + min_gap => {
+                    let must = format!("must be at least `{what}` = {min_gap} after the change at {before}, not {at}");
                     self.error(&key, must);
                 }
-                _ if *at >= end => {
-                    let span = self.spans(&key).1;
-                    self.findings.warning(span, format!("`{key}` = {at} s, but the run ends at {end} s"), None);
-                }
+                _ if at >= end => self.warning(&key, format!("`{key}` = {at} s, but the run ends at {end} s")),
                 _ => {}
             }
         }

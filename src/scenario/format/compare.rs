@@ -9,8 +9,8 @@ use crate::metrics::COLUMNS;
 use crate::text::quantity::{json, some_count};
 use crate::text::suggest;
 
-/// Accuracy and cost of a run: against a reference run of the same cell, against known truths, by repeated timing. At
-/// least one of the three is given.
+/// Accuracy and cost of a run: against a reference run of the same cell, against known truths, by
+/// repeated timing. At least one of the three is given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CompareSpec {
@@ -45,7 +45,7 @@ impl<'de> Deserialize<'de> for TruthMetric {
     }
 }
 
-/// Columns of the summary that may have a truth: what costs time, or is a distance itself, has none of its own.
+/// Columns of the summary that may have a truth; costs and errors have none.
 fn truth_metrics() -> Vec<&'static str> {
     COLUMNS.iter().filter(|column| column.is_metric()).map(|column| column.name).collect()
 }

@@ -77,7 +77,7 @@ impl Default for ContactSpec {
 pub struct ContactMethod(&'static MethodDescriptor);
 
 impl ContactMethod {
-    /// What there is to know of the method.
+    /// The descriptor of the method.
     pub fn descriptor(self) -> &'static MethodDescriptor {
         self.0
     }
@@ -116,7 +116,7 @@ impl Serialize for ContactMethod {
 
 impl<'de> Deserialize<'de> for ContactMethod {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        // As an enum, so that messages about unknown names are those of all other words.
+        // Read as an enum, so that errors about unknown names equal those of other enums.
         const NAMES: [&str; METHODS.len()] = {
             let (mut names, mut i) = ([""; METHODS.len()], 0);
             while i < METHODS.len() {
@@ -169,7 +169,8 @@ pub enum EventHandling {
 pub struct ForcedState {
     /// The sole.
     pub sole: String,
-    /// `free`, or pattern and mode: `face-static`, `edge-1-dynamic`, `vertex-0-static` (counted from 0).
+    /// `free`, or pattern and mode: `face-static`, `edge-1-dynamic`, `vertex-0-static` (counted
+    /// from 0).
     #[serde(deserialize_with = "state_name")]
     #[schemars(regex(pattern = r"^(free|(face|(edge|vertex)-\d+)-(static|dynamic))$"))]
     pub state: String,

@@ -6,12 +6,12 @@ use serde::{Deserialize, Deserializer, Serialize, de::Error};
 use crate::text::quantity::{fraction, json, positive};
 
 /// Highest rate, Hz: a microsecond between ticks.
-pub const FASTEST: f64 = 1e6;
+pub const MAX_RATE: f64 = 1e6;
 
 fn rate<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
     let rate = positive(d)?;
-    if rate > FASTEST {
-        return Err(D::Error::custom(format!("must be at most {FASTEST} Hz, not {rate}")));
+    if rate > MAX_RATE {
+        return Err(D::Error::custom(format!("must be at most {MAX_RATE} Hz, not {rate}")));
     }
     Ok(rate)
 }
@@ -22,10 +22,10 @@ fn rate<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
 pub struct ControlSpec {
     /// Rate of tasks and sensors, Hz; at most 1e6.
     #[serde(deserialize_with = "rate")]
-    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = FASTEST))]
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = MAX_RATE))]
     pub rate: f64,
-    /// True: the server ticks also while no task runs, and steps end at each tick. An event at a tick then changes no step
-    /// before it.
+    /// True: the server ticks also while no task runs, and steps end at each tick. An event at a
+    /// tick then changes no step before it.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub idle_ticks: bool,
     /// Source of the base's state for tasks.

@@ -7,7 +7,8 @@ use crate::metrics::METRICS;
 use crate::text::quantity::{json, some_non_negative};
 use crate::text::suggest;
 
-/// One expectation: a metric with `value` and `tolerance` or `relative_tolerance`, or with `min`, `max` or both; or an outcome.
+/// One expectation: a metric with `value` and `tolerance` or `relative_tolerance`, or with `min`,
+/// `max` or both; or an outcome.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Expect {
@@ -22,7 +23,8 @@ pub struct Expect {
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
     #[schemars(with = "Option<json::NonNegative>")]
     pub tolerance: Option<f64>,
-    /// Greatest distance from `value` as a fraction of it; added to `tolerance` where both are given.
+    /// Greatest distance from `value` as a fraction of it; added to `tolerance` where both are
+    /// given.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
     #[schemars(with = "Option<json::NonNegative>")]
     pub relative_tolerance: Option<f64>,
@@ -71,8 +73,8 @@ impl ExpectedOutcome {
 
 fn metric<'de, D: Deserializer<'de>>(d: D) -> Result<Option<String>, D::Error> {
     let name = String::deserialize(d)?;
-    let distance = name.strip_prefix("error_").is_some_and(|of| METRICS.contains(&of));
-    if METRICS.contains(&name.as_str()) || distance {
+    let is_error = name.strip_prefix("error_").is_some_and(|of| METRICS.contains(&of));
+    if METRICS.contains(&name.as_str()) || is_error {
         return Ok(Some(name));
     }
     let help = suggest::help(&name, METRICS.iter().copied());
@@ -80,7 +82,7 @@ fn metric<'de, D: Deserializer<'de>>(d: D) -> Result<Option<String>, D::Error> {
 }
 
 impl Expect {
-    /// Greatest distance from `value` that holds; none without a value.
+    /// Greatest allowed distance from `value`; none without a value.
     pub fn allowed(&self) -> Option<f64> {
         let relative = self.relative_tolerance.unwrap_or(0.0);
         self.value.map(|expected| self.tolerance.unwrap_or(0.0) + relative * expected.abs())
@@ -126,11 +128,11 @@ impl Expect {
         Ok(())
     }
 
-    /// Judges a run by the name of its outcome and a look-up of its metrics. A metric that the run did not measure, such as
-    /// the time of a slip that never came, does not hold.
+    /// Judges a run by the name of its outcome and a look-up of its metrics. A metric that the run
+    /// did not measure, such as the time of a slip that never came, does not hold.
     ///
     /// # Errors
-    /// What did not hold.
+    /// The violation of the expectation.
     pub fn judge(&self, outcome: &str, metric: impl Fn(&str) -> Option<f64>) -> Result<(), Violation> {
         if let Some(expected) = self.outcome
             && expected.name() != outcome

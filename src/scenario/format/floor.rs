@@ -46,8 +46,9 @@ impl Default for Friction {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PatchSpec {
-    /// Corners in order around the region, world x and y, m. On a tilted floor the region covers the points vertically above
-    /// and below. A third number, the height, may be given and is not used.
+    /// Corners in order around the region, world x and y, m. On a tilted floor the region covers
+    /// the points vertically above and below. A third number, the height, may be given and is not
+    /// used.
     #[serde(deserialize_with = "corners")]
     #[schemars(with = "Vec<json::Corner>", length(min = 3))]
     pub polygon: Vec<[f64; 2]>,

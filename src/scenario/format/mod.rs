@@ -6,6 +6,7 @@ pub mod change;
 pub mod compare;
 pub mod contact;
 pub mod control;
+mod defaults;
 pub mod event;
 pub mod expect;
 pub mod floor;

@@ -31,7 +31,8 @@ pub enum Sampling {
     Random,
     /// Latin hypercube: of each key, one sample in each of `samples` parts of equal probability.
     Lhs,
-    /// An Owen-scrambled Sobol sequence, evenly spread over all keys together; best for a power of two of samples.
+    /// An Owen-scrambled Sobol sequence, evenly spread over all keys together; best for a power of
+    /// two of samples.
     Sobol,
 }
 
@@ -55,11 +56,6 @@ const FORMS: [&str; 5] = ["uniform", "log-uniform", "normal", "integer", "choice
 const OPTIONS: [&str; 2] = ["samples", "sampling"];
 
 impl RandomSpec {
-    /// The distribution of the key with this index.
-    pub fn key_at(&self, index: usize) -> Option<&Distribution> {
-        self.keys.get(index).map(|(_, distribution)| distribution)
-    }
-
     /// True when this key of the table is a path, not an option.
     pub fn is_path(key: &str) -> bool {
         !OPTIONS.contains(&key)
@@ -67,14 +63,14 @@ impl RandomSpec {
 }
 
 /// A key of the table `random`: an option or a path.
-struct Word(String);
+struct RandomKey(String);
 
-impl<'de> Deserialize<'de> for Word {
+impl<'de> Deserialize<'de> for RandomKey {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-        let word = String::deserialize(d)?;
-        match suggest::nearest(&word, OPTIONS) {
-            Some(near) if near != word => Err(D::Error::unknown_field(&word, &OPTIONS)),
-            _ => Ok(Word(word)),
+        let key = String::deserialize(d)?;
+        match suggest::nearest(&key, OPTIONS) {
+            Some(near) if near != key => Err(D::Error::unknown_field(&key, &OPTIONS)),
+            _ => Ok(RandomKey(key)),
         }
     }
 }
@@ -90,11 +86,11 @@ impl<'de> Visitor<'de> for RandomVisitor {
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<RandomSpec, A::Error> {
         let (mut samples, mut sampling, mut keys) = (None, Sampling::default(), Vec::new());
-        while let Some(Word(word)) = map.next_key()? {
-            match word.as_str() {
+        while let Some(RandomKey(key)) = map.next_key()? {
+            match key.as_str() {
                 "samples" => samples = Some(map.next_value::<Count>()?.0),
                 "sampling" => sampling = map.next_value()?,
-                _ => keys.push((word, map.next_value()?)),
+                _ => keys.push((key, map.next_value()?)),
             }
         }
         if keys.is_empty() {

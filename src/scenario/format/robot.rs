@@ -16,11 +16,12 @@ use crate::text::quantity::{
 pub struct RobotSpec {
     /// Path of a robot file (`.toml`) or a `.urdf`, relative to the scenario file.
     pub model: String,
-    /// Address of a robot that this run does not simulate: `udp://ADDRESS:PORT`, where a `runner motor-server` or a robot
-    /// listens.
+    /// Address of a robot that this run does not simulate: `udp://ADDRESS:PORT`, where a `runner
+    /// motor-server` or a robot listens.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub backend: Option<String>,
-    /// File with the secret that both sides share, at least 16 bytes; required unless the address of `backend` is on loopback.
+    /// File with the secret that both sides share, at least 16 bytes; required unless the address
+    /// of `backend` is on loopback.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub backend_key: Option<String>,
     /// Pose and velocity of the root link's frame at the start.
@@ -43,7 +44,8 @@ pub struct RobotSpec {
     /// Soles that replace the robot's; an empty list means no contact. Left out: the robot's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub soles: Option<Vec<SoleSpec>>,
-    /// Treatment of inertias that no body can have. Left out: as in the robot file, else `"refuse"`.
+    /// Treatment of inertias that no body can have. Left out: as in the robot file, else
+    /// `"refuse"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertia: Option<InertiaSpec>,
     /// Masses welded to links.
@@ -140,7 +142,8 @@ pub struct SoleSpec {
     pub name: String,
     /// Carrying link.
     pub link: String,
-    /// Vertices in the link's frame, m, in order around the polygon. One is a point foot, two a line foot.
+    /// Vertices in the link's frame, m, in order around the polygon. One is a point foot, two a
+    /// line foot.
     #[schemars(length(min = 1))]
     pub polygon: Vec<[f64; 3]>,
 }
@@ -161,11 +164,12 @@ pub struct PayloadSpec {
     /// Centre of mass in the link's frame, m.
     #[serde(default)]
     pub position: [f64; 3],
-    /// `[ixx, iyy, izz, ixy, ixz, iyz]` about the payload's centre of mass in the link's axes, kg m^2. Left out: a
-    /// point mass.
+    /// `[ixx, iyy, izz, ixy, ixz, iyz]` about the payload's centre of mass in the link's axes, kg
+    /// m^2. Left out: a point mass.
     #[serde(default)]
     pub inertia: [f64; 6],
-    /// Instead of `inertia`: edges of a homogeneous box along the link's axes, m; the box is also drawn.
+    /// Instead of `inertia`: edges of a homogeneous box along the link's axes, m; the box is also
+    /// drawn.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size: Option<[f64; 3]>,
 }
@@ -204,7 +208,8 @@ pub struct JointSpec {
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
     #[schemars(with = "Option<json::NonNegative>")]
     pub lag: Option<f64>,
-    /// End stops. Left out: as stiff as lets the joint's own inertia swing at 300 rad/s, critically damped.
+    /// End stops. Left out: as stiff as lets the joint's own inertia swing at 300 rad/s, critically
+    /// damped.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop: Option<JointStop>,
 }
@@ -225,7 +230,8 @@ pub struct JointFriction {
     #[serde(rename = "static", skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
     #[schemars(with = "Option<json::NonNegative>")]
     pub static_: Option<f64>,
-    /// Speed v_str over which friction falls from `static` to `coulomb`, rad/s or m/s. Left out: 0.2.
+    /// Speed v_str over which friction falls from `static` to `coulomb`, rad/s or m/s. Left out:
+    /// 0.2.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
     #[schemars(with = "Option<json::Positive>")]
     pub stribeck_velocity: Option<f64>,

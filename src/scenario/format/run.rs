@@ -42,8 +42,8 @@ pub struct StopSpec {
     /// Ends the run with outcome `fallen`; left out: never.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fallen: Option<FallenRule>,
-    /// Ends the run at this time, s; left out: at `duration`. Plans and random draws still cover all of `duration`, so the run
-    /// equals the first part of the full one.
+    /// Ends the run at this time, s; left out: at `duration`. Plans and random draws still cover
+    /// all of `duration`, so the run equals the first part of the full one.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
     #[schemars(with = "Option<json::Positive>")]
     pub at: Option<f64>,

@@ -5,12 +5,13 @@ use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 use crate::text::quantity::{json, non_negative, positive};
 
-/// Measures distances between the robot's bodies; methods 1 to 4 keep joint commands free of collisions.
+/// Measures distances between the robot's bodies; methods 1 to 4 keep joint commands free of
+/// collisions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SelfCollisionSpec {
-    /// 0 only reports. 1 to 4 avoid: 1 stops all joints, 2 those between the bodies, 3 also tries random postures of these, 4
-    /// first searches for a path around.
+    /// 0 only reports. 1 to 4 avoid: 1 stops all joints, 2 those between the bodies, 3 also tries
+    /// random postures of these, 4 first searches for a path around.
     #[serde(deserialize_with = "up_to_four")]
     #[schemars(range(max = 4))]
     pub method: u8,
@@ -22,7 +23,8 @@ pub struct SelfCollisionSpec {
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub margin: f64,
-    /// Greatest joint speed that avoidance commands, rad/s or m/s; the joint's own limit if that is smaller.
+    /// Greatest joint speed that avoidance commands, rad/s or m/s; the joint's own limit if that is
+    /// smaller.
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub max_speed: f64,

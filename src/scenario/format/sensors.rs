@@ -6,13 +6,14 @@ use serde::{Deserialize, Deserializer, Serialize, de::Error};
 use crate::text::quantity::{angles, json, non_negative};
 
 /// Longest delay, s: delayed readings are kept in memory.
-const LONGEST: f64 = 10.0;
+const MAX_DELAY: f64 = 10.0;
 
 /// Errors of the sensors. A sensor that is left out has no error.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorsSpec {
-    /// Name of the robot's IMU. Left out: the first of the robot file; without one, the base's frame.
+    /// Name of the robot's IMU. Left out: the first of the robot file; without one, the base's
+    /// frame.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub imu: Option<String>,
     /// Joint positions, rad or m.
@@ -64,7 +65,7 @@ pub struct SensorError {
     pub resolution: f64,
     /// Age of a reading, s; at most 10.
     #[serde(deserialize_with = "delay")]
-    #[schemars(range(min = 0, max = LONGEST))]
+    #[schemars(range(min = 0, max = MAX_DELAY))]
     pub delay: f64,
 }
 
@@ -89,7 +90,7 @@ pub struct OrientationError {
     pub bias: [f64; 3],
     /// Age of a reading, s; at most 10.
     #[serde(deserialize_with = "delay")]
-    #[schemars(range(min = 0, max = LONGEST))]
+    #[schemars(range(min = 0, max = MAX_DELAY))]
     pub delay: f64,
 }
 
@@ -102,8 +103,8 @@ impl OrientationError {
 
 fn delay<'de, D: Deserializer<'de>>(d: D) -> Result<f64, D::Error> {
     let seconds = non_negative(d)?;
-    if seconds > LONGEST {
-        return Err(D::Error::custom(format!("must be at most {LONGEST} s, not {seconds}")));
+    if seconds > MAX_DELAY {
+        return Err(D::Error::custom(format!("must be at most {MAX_DELAY} s, not {seconds}")));
     }
     Ok(seconds)
 }

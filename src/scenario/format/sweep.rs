@@ -12,18 +12,20 @@ use crate::scenario::format::random::RandomSpec;
 use crate::text::quantity::{count, json};
 use crate::text::suggest;
 
-/// Expansion of a file to runs. Keys are dotted paths of the scenario in quotes, such as `"floor.friction"` or
-/// `"force.0.force"`.
+/// Expansion of a file to runs. Keys are dotted paths of the scenario in quotes, such as
+/// `"floor.friction"` or `"force.0.force"`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SweepSpec {
-    /// Every combination of the values; the last key of the file changes fastest. `grid`, the tables of `zip`, `list` and
-    /// `random` are nested in the order of the file.
+    /// Every combination of the values; the last key of the file changes fastest. `grid`, the
+    /// tables of `zip`, `list` and `random` are nested in the order of the file.
     pub grid: BTreeMap<String, Axis>,
-    /// Tables whose values advance together: the keys of a table have equally many values. Each table is one dimension.
+    /// Tables whose values advance together: the keys of a table have equally many values. Each
+    /// table is one dimension.
     #[serde(deserialize_with = "tables")]
     pub zip: Vec<BTreeMap<String, Axis>>,
-    /// Tables of values, used one after the other. Keys that a table does not name have the file's values.
+    /// Tables of values, used one after the other. Keys that a table does not name have the file's
+    /// values.
     #[schemars(with = "Vec<BTreeMap<String, serde_json::Value>>")]
     pub list: Vec<BTreeMap<String, toml::Value>>,
     /// Random samples of one or more keys.
@@ -54,9 +56,11 @@ impl SweepSpec {
 pub enum Axis {
     /// `[first, last, n]`: n values at equal distances, both ends included.
     Linspace(f64, f64, #[schemars(range(min = 2))] u32),
-    /// `[first, last, n]`: n values in equal ratios, both ends included; ends of one sign, not zero.
+    /// `[first, last, n]`: n values in equal ratios, both ends included; ends of one sign, not
+    /// zero.
     Logspace(f64, f64, #[schemars(range(min = 2))] u32),
-    /// `[first, last, step]`: from first in steps up to last, which is included when it is on the grid.
+    /// `[first, last, step]`: from first in steps up to last, which is included when it is on the
+    /// grid.
     Step(f64, f64, f64),
     /// The values themselves.
     #[serde(untagged)]

@@ -1,4 +1,4 @@
-//! Entries with a key `type`: one registry line per type.
+//! Enums whose variant the key `type` selects, with one line of declaration per type.
 
 use crate::scenario::decode::{DecodeError, NodeDeserializer};
 use crate::scenario::findings::Findings;
@@ -45,7 +45,7 @@ pub fn read<T: Tagged>(entry: &Node, path: &str, findings: &mut Findings) -> Opt
     None
 }
 
-/// Declares the enum of all types of one kind and its registry.
+/// Declares the enum of all types of one kind and its reader.
 macro_rules! tagged {
     ($(#[$doc:meta])* $enum:ident, $kind:literal { $($(#[$variant_doc:meta])* $name:literal => $variant:ident($spec:ty),)* }) => {
         $(#[$doc])*

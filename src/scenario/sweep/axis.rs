@@ -10,25 +10,25 @@ pub fn count(axis: &Axis) -> usize {
         Axis::Values(values) => values.len(),
         Axis::Linspace(_, _, n) | Axis::Logspace(_, _, n) => *n as usize,
         Axis::Step(a, b, s) => {
-            // Rounding of (b - a) / s must not lose the last value: 1e-9 of a step is nearer than any grid meant.
+            // Rounding of (b - a) / s must not lose the last value; no intended grid is as fine as
+            // 1e-9 of a step.
             let steps = ((b - a) / s + 1e-9).floor();
             if steps < 1e15 { steps as usize + 1 } else { usize::MAX }
         }
     }
 }
 
-/// The values of an axis that is written as `node`, in order. A listed value keeps its own span; the others have that of
-/// the axis.
-pub fn nodes(axis: &Axis, node: &Node) -> Vec<Node> {
-    let made = |numbers: Vec<f64>| numbers.into_iter().map(|x| Node::computed(Value::Float(x), &node.span)).collect();
+/// The values of an axis that is written as `node`, in order. A listed value keeps its own span;
+/// the others have that of the axis.
+pub fn values(axis: &Axis, node: &Node) -> Vec<Node> {
     match axis {
-        Axis::Values(_) => alike(node.items().to_vec()),
+        Axis::Values(_) => unify_numbers(node.items().to_vec()),
         Axis::Linspace(a, b, n) => typed(linspace(*a, *b, *n as usize), "linspace", node),
         Axis::Logspace(a, b, n) => typed(logspace(*a, *b, *n as usize), "logspace", node),
-        Axis::Step(a, b, s) => match whole_numbers(node, "step") {
-            Some(_) => (0..count(axis)).map(|i| whole(*a as i64 + i as i64 * *s as i64, &node.span)).collect(),
-            None => made(steps(*a, *b, *s, count(axis))),
-        },
+        Axis::Step(a, _, s) if has_whole_numbers(node, "step") => {
+            (0..count(axis)).map(|i| whole(*a as i64 + i as i64 * *s as i64, &node.span)).collect()
+        }
+        Axis::Step(a, b, s) => floats(steps(*a, *b, *s, count(axis)), &node.span),
     }
 }
 
@@ -36,27 +36,32 @@ fn whole(number: i64, span: &Span) -> Node {
     Node::computed(Value::Integer(number), span)
 }
 
+fn floats(numbers: Vec<f64>, span: &Span) -> Vec<Node> {
+    numbers.into_iter().map(|x| Node::computed(Value::Float(x), span)).collect()
+}
+
 /// Whole numbers if the ends are written as whole numbers and all values between are whole.
 fn typed(numbers: Vec<f64>, form: &str, node: &Node) -> Vec<Node> {
-    if whole_numbers(node, form).is_some() && numbers.iter().all(|x| x.fract() == 0.0) {
+    if has_whole_numbers(node, form) && numbers.iter().all(|x| x.fract() == 0.0) {
         return numbers.into_iter().map(|x| whole(x as i64, &node.span)).collect();
     }
-    numbers.into_iter().map(|x| Node::computed(Value::Float(x), &node.span)).collect()
+    floats(numbers, &node.span)
 }
 
-/// All three numbers of the axis are written as whole numbers (and small enough to be exact in f64).
-fn whole_numbers(node: &Node, form: &str) -> Option<()> {
-    let items = node.get(form)?.items();
-    items.iter().all(|i| matches!(i.value, Value::Integer(x) if x.abs() < 1 << 53)).then_some(())
+/// True when all numbers of the axis are written as whole numbers that are exact in f64.
+fn has_whole_numbers(node: &Node, form: &str) -> bool {
+    let is_whole = |i: &Node| matches!(i.value, Value::Integer(x) if x.abs() < 1 << 53);
+    node.get(form).is_some_and(|node| node.items().iter().all(is_whole))
 }
 
-/// Makes all numbers of a list floats if one of them is: a column of results has one kind of number.
-pub fn alike(items: Vec<Node>) -> Vec<Node> {
-    alike_where_given(items.into_iter().map(Some).collect()).into_iter().flatten().collect()
+/// Converts all numbers of a list to floats if one of them is a float, so that a column of results
+/// has one type.
+pub fn unify_numbers(items: Vec<Node>) -> Vec<Node> {
+    unify_numbers_with_gaps(items.into_iter().map(Some).collect()).into_iter().flatten().collect()
 }
 
-/// As [`alike`], for a list with gaps.
-pub fn alike_where_given(mut items: Vec<Option<Node>>) -> Vec<Option<Node>> {
+/// As [`unify_numbers`], for a list with gaps.
+pub fn unify_numbers_with_gaps(mut items: Vec<Option<Node>>) -> Vec<Option<Node>> {
     if items.iter().flatten().any(|i| matches!(i.value, Value::Float(_))) {
         for item in items.iter_mut().flatten() {
             if let Value::Integer(number) = item.value {
@@ -101,8 +106,8 @@ fn ends(a: f64, b: f64, n: usize, inner: impl Fn(usize) -> f64) -> Vec<f64> {
         .collect()
 }
 
-/// The number with 14 significant decimal digits relative to `scale`: exact when both ends are decimal, and closer than
-/// any simulation resolves otherwise.
+/// The number with 14 significant decimal digits relative to `scale`: exact when both ends are
+/// decimal, and closer than any simulation resolves otherwise.
 fn decimal(x: f64, scale: f64) -> f64 {
     if scale == 0.0 {
         return 0.0;
@@ -141,7 +146,7 @@ mod tests {
     fn ends_that_are_not_decimal_are_hit_exactly() {
         let values = linspace(0.0, std::f64::consts::PI, 4);
         assert_eq!(values[3], std::f64::consts::PI);
-        // 14 digits kept of a number of size 1.
+        // Rounding to 14 digits of a number of size 1.
         assert!((values[1] - std::f64::consts::FRAC_PI_3).abs() < 1e-13);
     }
 }

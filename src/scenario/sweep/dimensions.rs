@@ -13,26 +13,26 @@ use crate::text::diagnostic::Diagnostic;
 use crate::text::source::{Sources, Span};
 use crate::text::toml_tree::{Entry, Node, Value};
 
-/// Most swept keys; each is compared with all others.
-const MOST_KEYS: usize = 1000;
+/// Greatest number of swept keys; each is compared with all others.
+const MAX_KEYS: usize = 1000;
 
 /// One dimension before its values are generated.
 pub struct Group<'a> {
     keys: Vec<Swept<'a>>,
-    /// The table of its keys, for `random`; the array of tables, for `list`.
+    /// The entry of `[sweep]` with its keys: a table for `random`, an array of tables for `list`.
     part: &'a Entry,
 }
 
-/// A swept key as the file has it.
+/// A swept key as written in the file.
 pub struct Swept<'a> {
     pub path: KeyPath,
     pub entry: &'a Entry,
-    given: Given<'a>,
+    source: ValueSource<'a>,
 }
 
 /// The origin of the values of a swept key.
-enum Given<'a> {
-    /// An override: the one value in the tree.
+enum ValueSource<'a> {
+    /// An override: the single value in the tree.
     Fixed,
     /// `grid`, `zip`.
     Axis(&'a Axis),
@@ -42,7 +42,7 @@ enum Given<'a> {
     Drawn(&'a RandomSpec, usize),
 }
 
-/// The swept keys by dimension: `grid`, `zip`, `list` and `random` in the order of the file, and within them as well.
+/// The swept keys by dimension, in the order of the file.
 pub fn groups<'a>(
     sweep: &'a Node,
     spec: &'a SweepSpec,
@@ -50,37 +50,37 @@ pub fn groups<'a>(
     sources: &Sources,
     findings: &mut Findings,
 ) -> Vec<Group<'a>> {
-    let mut gather = Gather { groups: Vec::new(), fixed, sources, findings };
+    let mut collector = GroupCollector { groups: Vec::new(), fixed, sources, findings };
     for part in sweep.entries() {
         let entries = part.node.entries();
         match part.key.as_str() {
             "grid" => {
                 for entry in entries {
-                    gather.group(part, [(entry, spec.grid.get(&entry.key).map(Given::Axis))]);
+                    collector.group(part, [(entry, spec.grid.get(&entry.key).map(ValueSource::Axis))]);
                 }
             }
             "zip" => {
                 for (table, axes) in part.node.items().iter().zip(&spec.zip) {
-                    gather.group(part, table.entries().iter().map(|e| (e, axes.get(&e.key).map(Given::Axis))));
+                    collector.group(part, table.entries().iter().map(|e| (e, axes.get(&e.key).map(ValueSource::Axis))));
                 }
             }
-            "list" => gather.list(part),
+            "list" => collector.list(part),
             "random" => {
                 if let Some(random) = &spec.random
-                    && sobol_reaches(random, part, gather.findings)
+                    && sobol_fits(random, part, collector.findings)
                 {
                     let keys = entries.iter().filter(|e| RandomSpec::is_path(&e.key)).enumerate();
-                    gather.group(part, keys.map(|(index, e)| (e, Some(Given::Drawn(random, index)))));
+                    collector.group(part, keys.map(|(index, e)| (e, Some(ValueSource::Drawn(random, index)))));
                 }
             }
             _ => {}
         }
     }
-    gather.groups
+    collector.groups
 }
 
 /// False, with errors, when a Sobol sequence has too many samples or keys.
-fn sobol_reaches(random: &RandomSpec, part: &Entry, findings: &mut Findings) -> bool {
+fn sobol_fits(random: &RandomSpec, part: &Entry, findings: &mut Findings) -> bool {
     let help = Some("`sampling = \"lhs\"` has no limit".to_owned());
     let (samples, keys) = (random.samples, random.keys.len());
     if random.sampling != Sampling::Sobol || samples <= SOBOL_SAMPLES && keys <= SOBOL_KEYS {
@@ -99,22 +99,22 @@ fn sobol_reaches(random: &RandomSpec, part: &Entry, findings: &mut Findings) -> 
 }
 
 /// Collects groups; no two keys may lead to the same value.
-struct Gather<'a, 'f> {
+struct GroupCollector<'a, 'f> {
     groups: Vec<Group<'a>>,
     fixed: &'f [KeyPath],
     sources: &'f Sources,
     findings: &'f mut Findings,
 }
 
-impl<'a> Gather<'a, '_> {
-    fn group(&mut self, part: &'a Entry, entries: impl IntoIterator<Item = (&'a Entry, Option<Given<'a>>)>) {
+impl<'a> GroupCollector<'a, '_> {
+    fn group(&mut self, part: &'a Entry, entries: impl IntoIterator<Item = (&'a Entry, Option<ValueSource<'a>>)>) {
         let mut keys = Vec::new();
-        for (entry, given) in entries {
-            let Some(given) = given else { continue };
+        for (entry, source) in entries {
+            let Some(source) = source else { continue };
             match self.path_of(entry, &keys) {
                 // An overridden key is no longer swept: its one value is in the tree.
                 Ok((path, overridden)) => {
-                    keys.push(Swept { path, entry, given: if overridden { Given::Fixed } else { given } });
+                    keys.push(Swept { path, entry, source: if overridden { ValueSource::Fixed } else { source } });
                 }
                 Err((span, message)) => self.findings.error(span, message, None),
             }
@@ -122,8 +122,8 @@ impl<'a> Gather<'a, '_> {
         self.groups.push(Group { keys, part });
     }
 
-    /// The tables of a list; keys in the order in which they are first named. Different tables may set parts of each other's
-    /// values, since each run uses one table.
+    /// The tables of a list; keys in the order in which they are first named. Different tables may
+    /// set parts of each other's values, since each run uses one table.
     fn list(&mut self, part: &'a Entry) {
         let tables = part.node.items();
         if tables.is_empty() {
@@ -146,11 +146,12 @@ impl<'a> Gather<'a, '_> {
                     self.findings.error(entry.key_span.clone(), message, Some(help));
                     continue;
                 }
-                let none = || Swept { path: path.clone(), entry, given: Given::Tables(vec![None; tables.len()]) };
+                let none =
+                    || Swept { path: path.clone(), entry, source: ValueSource::Tables(vec![None; tables.len()]) };
                 here.push(none());
-                let known = keys.iter().position(|k| k.path.is(&path));
-                if known.is_none() && keys.len() == MOST_KEYS {
-                    let message = format!("`{}` is one too many: at most {MOST_KEYS} keys are swept", entry.key);
+                let known = keys.iter().position(|k| k.path.equals(&path));
+                if known.is_none() && keys.len() == MAX_KEYS {
+                    let message = format!("`{}` is one too many: at most {MAX_KEYS} keys are swept", entry.key);
                     self.findings.error(entry.key_span.clone(), message, None);
                     continue;
                 }
@@ -158,20 +159,21 @@ impl<'a> Gather<'a, '_> {
                     keys.push(none());
                     keys.len() - 1
                 });
-                match &mut keys[known].given {
-                    Given::Tables(values) if !overridden => values[at] = Some(&entry.node),
-                    given => *given = Given::Fixed,
+                match &mut keys[known].source {
+                    ValueSource::Tables(values) if !overridden => values[at] = Some(&entry.node),
+                    source => *source = ValueSource::Fixed,
                 }
             }
         }
         self.groups.push(Group { keys, part });
     }
 
-    /// The path of a swept key, and whether this key is overridden. `here` are keys that apply at the same time.
+    /// The path of a swept key, and whether this key is overridden. `here` are keys that apply at
+    /// the same time.
     fn path_of(&self, entry: &Entry, here: &[Swept]) -> Result<(KeyPath, bool), (Span, String)> {
         let refuse = |message: String| (entry.key_span.clone(), message);
-        if here.len() + self.groups.iter().map(|group| group.keys.len()).sum::<usize>() >= MOST_KEYS {
-            return Err(refuse(format!("`{}` is one too many: at most {MOST_KEYS} keys are swept", entry.key)));
+        if here.len() + self.groups.iter().map(|group| group.keys.len()).sum::<usize>() >= MAX_KEYS {
+            return Err(refuse(format!("`{}` is one too many: at most {MAX_KEYS} keys are swept", entry.key)));
         }
         let path = KeyPath::parse(&entry.key, &entry.key_span, self.sources).map_err(|e| (e.span, e.message))?;
         if ["sweep", "schema"].contains(&path.segments[0].0.as_str()) {
@@ -196,7 +198,8 @@ impl<'a> Group<'a> {
         &self.keys
     }
 
-    /// The length of the dimension; each key that is not overridden must have this number of values.
+    /// The length of the dimension; each key that is not overridden must have this number of
+    /// values.
     pub fn length(&self, sources: &Sources, findings: &mut Findings) -> usize {
         let mut counted = self.keys.iter().filter_map(|s| Some((s, s.count()?)));
         let Some((first, length)) = counted.next() else {
@@ -230,24 +233,27 @@ impl Swept<'_> {
 
     /// The number of its values, without generating them; none when it is overridden.
     fn count(&self) -> Option<usize> {
-        match &self.given {
-            Given::Fixed => None,
-            Given::Axis(axis) => Some(axis::count(axis)),
-            Given::Tables(values) => Some(values.len()),
-            Given::Drawn(random, _) => Some(random.samples as usize),
+        match &self.source {
+            ValueSource::Fixed => None,
+            ValueSource::Axis(axis) => Some(axis::count(axis)),
+            ValueSource::Tables(values) => Some(values.len()),
+            ValueSource::Drawn(random, _) => Some(random.samples as usize),
         }
     }
 
-    /// The key with its values; `None` (with an error) when it was overridden and then overridden as a whole.
+    /// The key with its values; `None` (with an error) when it was overridden and then overridden
+    /// as a whole.
     fn key(self, root: &Node, findings: &mut Findings) -> Option<Key> {
-        let Swept { path, entry, given } = self;
-        let values: Vec<Option<Node>> = match given {
-            Given::Axis(axis) => axis::nodes(axis, &entry.node).into_iter().map(Some).collect(),
-            Given::Tables(values) => axis::alike_where_given(values.into_iter().map(Option::<&Node>::cloned).collect()),
-            Given::Drawn(random, index) => {
-                random::nodes(random, seed(root), &path, index, &entry.node).into_iter().map(Some).collect()
+        let Swept { path, entry, source } = self;
+        let values: Vec<Option<Node>> = match source {
+            ValueSource::Axis(axis) => axis::values(axis, &entry.node).into_iter().map(Some).collect(),
+            ValueSource::Tables(values) => {
+                axis::unify_numbers_with_gaps(values.into_iter().map(Option::<&Node>::cloned).collect())
             }
-            Given::Fixed => match path.get(root) {
+            ValueSource::Drawn(random, index) => {
+                random::samples(random, seed(root), &path, index, &entry.node).into_iter().map(Some).collect()
+            }
+            ValueSource::Fixed => match path.get(root) {
                 Some(value) => vec![Some(value.clone())],
                 None => {
                     let message = format!("`{}` is swept, and overrides leave no such value", entry.key);
@@ -270,11 +276,11 @@ fn seed(root: &Node) -> u64 {
 
 /// Refuses equal combinations: equal runs would have equal keys and overwrite each other's results.
 fn refuse_duplicates(keys: &[Key], length: usize, part: &Entry, findings: &mut Findings) {
-    let mut seen = HashSet::new();
+    let mut known = HashSet::new();
     for at in 0..length {
         let text = |k: &Key| k.value(at).map_or_else(String::new, |node| format!("{} ", node.to_toml()));
         let texts: Vec<String> = keys.iter().map(text).collect();
-        if seen.insert(texts.clone()) {
+        if known.insert(texts.clone()) {
             continue;
         }
         let values = texts.iter().map(|t| t.trim_end()).filter(|t| !t.is_empty()).collect::<Vec<_>>().join(", ");
@@ -290,7 +296,7 @@ fn refuse_duplicates(keys: &[Key], length: usize, part: &Entry, findings: &mut F
             let (message, help) = match (part.key.as_str(), keys) {
                 ("random", _) => {
                     let help = "fewer samples, more values to draw from, or `grid` to have each value once";
-                    (format!("{values} is drawn twice, by samples {at} and before"), Some(help.to_owned()))
+                    (format!("{values} is drawn twice, by sample {at} and an earlier one"), Some(help.to_owned()))
                 }
                 (_, [key]) => (format!("`{}` has the value {values} twice", key.name), None),
                 _ => (format!("the combination of values {values} occurs twice"), None),

@@ -10,8 +10,8 @@ use crate::scenario::key_path::KeyPath;
 use crate::text::source::{Sources, Span};
 use crate::text::toml_tree::Node;
 
-/// Most runs of any sweep: their numbers have 32 bits, and one number means none.
-pub const MOST_RUNS_EVER: usize = u32::MAX as usize;
+/// Greatest number of runs of any batch: run numbers have 32 bits, and one of them means none.
+pub const MAX_BATCH_RUNS: usize = u32::MAX as usize;
 
 /// The swept values: dimensions nested in the order of the file, the last changing fastest.
 #[derive(Default)]
@@ -21,14 +21,15 @@ pub struct Grid {
     pub repeat: u32,
 }
 
-/// Keys that advance together: one key of `grid`, those of one table of `zip`, those of `list` or those of `random`.
+/// Keys that advance together: one key of `grid`, those of one table of `zip`, those of `list` or
+/// those of `random`.
 pub struct Dimension {
     pub keys: Vec<Key>,
     pub length: usize,
 }
 
-/// A swept key with one value per index of its dimension; an overridden key has one value. None where a table of `list`
-/// does not name the key.
+/// A swept key with one value per index of its dimension; an overridden key has one value. None
+/// where a table of `list` does not name the key.
 pub struct Key {
     pub name: String,
     pub path: KeyPath,
@@ -37,13 +38,13 @@ pub struct Key {
 
 /// One combination.
 pub struct Cell<'a> {
-    /// The swept keys in the order of the file; no value where the file's own holds.
+    /// The swept keys in the order of the file; no value where the file's own applies.
     keys: Vec<(&'a Key, Option<&'a Node>)>,
 }
 
 impl Grid {
-    /// Reads the sweep of a scenario's tree; `fixed` are the overridden paths. An expansion to more than `max_runs` runs is
-    /// refused before its values are generated.
+    /// Reads the sweep of a scenario's tree; `fixed` are the overridden paths. An expansion to more
+    /// than `max_runs` runs is refused before its values are generated.
     pub fn read(root: &Node, fixed: &[KeyPath], sources: &Sources, max_runs: usize, findings: &mut Findings) -> Grid {
         let Some(sweep) = root.get("sweep") else { return Grid { dimensions: Vec::new(), repeat: 1 } };
         let spec = match SweepSpec::deserialize(NodeDeserializer(sweep)) {
@@ -61,25 +62,25 @@ impl Grid {
         }
         let runs = lengths.iter().copied().fold(spec.repeat as usize, usize::saturating_mul);
         if runs > max_runs {
-            let help = match max_runs < MOST_RUNS_EVER {
+            let help = match max_runs < MAX_BATCH_RUNS {
                 true => "`--max-runs` raises the limit",
                 false => "no batch can have more: each run has a number of 32 bits",
             };
             let help = Some(help.into());
-            findings.error(key_of(sweep), format!("the sweep has {runs} runs, {max_runs} are allowed"), help);
+            findings.error(first_key_span(sweep), format!("the sweep has {runs} runs, {max_runs} are allowed"), help);
             return Grid::default();
         }
-        let made = groups.into_iter().zip(lengths);
-        let dimensions = made.map(|(group, length)| group.dimension(length, root, findings)).collect();
+        let groups = groups.into_iter().zip(lengths);
+        let dimensions = groups.map(|(group, length)| group.dimension(length, root, findings)).collect();
         Grid { dimensions, repeat: spec.repeat }
     }
 
-    /// Combinations of values.
+    /// Number of combinations of values.
     pub fn cells(&self) -> usize {
         self.dimensions.iter().map(|d| d.length).product()
     }
 
-    /// Combinations times repetitions.
+    /// Number of combinations times repetitions.
     pub fn runs(&self) -> usize {
         self.cells() * self.repeat as usize
     }
@@ -98,7 +99,7 @@ impl Grid {
 }
 
 /// The span at which a sweep that is too large is reported: its first key that multiplies runs.
-fn key_of(sweep: &Node) -> Span {
+fn first_key_span(sweep: &Node) -> Span {
     let parts = || sweep.entries().iter().filter(|e| e.key != "repeat");
     parts().next().or(sweep.entry("repeat")).map_or(sweep.span.clone(), |e| e.key_span.clone())
 }
@@ -116,14 +117,14 @@ impl Cell<'_> {
         self.keys.iter().filter_map(|(key, value)| Some((key.path.clone(), (*value)?.clone()))).collect()
     }
 
-    /// The values under the names in the file. A key without a value in this cell has that of the run's tree, or the default
-    /// in `resolved`; none if that is a table.
+    /// The values under the names in the file. A key without a value in this cell has that of the
+    /// run's tree, or the default in `resolved`; none if that is a table.
     pub fn parameters(&self, root: &Node, resolved: &toml::Table) -> Vec<(String, toml::Value)> {
-        let instead = |path: &KeyPath| match path.get(root) {
+        let fallback = |path: &KeyPath| match path.get(root) {
             Some(node) => Some(node.to_toml()),
             None => path.look_up(resolved).filter(|value| !value.is_table()).cloned(),
         };
-        let value = |key: &Key, value: &Option<&Node>| value.map(Node::to_toml).or_else(|| instead(&key.path));
+        let value = |key: &Key, value: &Option<&Node>| value.map(Node::to_toml).or_else(|| fallback(&key.path));
         self.keys.iter().filter_map(|(key, given)| Some((key.name.clone(), value(key, given)?))).collect()
     }
 }

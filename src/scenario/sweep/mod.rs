@@ -1,6 +1,7 @@
 //! `[sweep]`: the dimensions of a sweep, their values, and the combination of values of each run.
 //!
-//! - `dimensions`: which keys advance together; `axis`: the values of one key; `random`: samples of distributions.
+//! - `dimensions`: which keys advance together; `axis`: the values of one key; `random`: samples of
+//!   distributions.
 //! - `grid`: the combinations, by number.
 //!
 //! Called by the expansion of a scenario file.
@@ -10,5 +11,5 @@ mod dimensions;
 mod grid;
 mod random;
 
-pub use grid::MOST_RUNS_EVER;
+pub use grid::MAX_BATCH_RUNS;
 pub(super) use grid::{Cell, Grid};

@@ -4,26 +4,28 @@ use super::joint_efforts;
 use crate::robot::Model;
 use crate::task::Command;
 
-/// Efforts of the drives at the last evaluation, by joint unless said otherwise.
+/// Efforts of the drives at the last evaluation, by joint unless stated otherwise.
 pub struct Drives {
     /// Actuator efforts.
     pub efforts: Vec<f64>,
-    /// The same as they enter the equations: in a velocity-level step referred to the velocity before it.
+    /// Efforts as they enter the equations: in a velocity-level step referred to the velocity
+    /// before the step.
     pub servo: Vec<f64>,
     /// Terms that a velocity-level step adds to the diagonal of M.
     pub implicit: Vec<f64>,
-    /// Joints that a velocity-level step holds on the line of their speed limit.
+    /// Joints that a velocity-level step holds on the speed-torque line of their limit.
     pub(super) on_speed_line: Vec<bool>,
-    /// Side of the effort limit, 1 or -1, which a drive reaches within the velocity-level step; 0: none.
+    /// Side of the effort limit, 1 or -1, which a drive reaches within the velocity-level step; 0:
+    /// none.
     pub(super) saturated: Vec<f64>,
     /// Joints whose actuators lag.
     pub(super) lagging: Vec<usize>,
-    /// For each of these, effort and implicit term that its servo commands, before the lag.
+    /// For each lagging actuator: effort and implicit term of its servo, before the lag.
     pub(super) lag_input: Vec<(f64, f64)>,
 }
 
 impl Drives {
-    /// For a robot.
+    /// Drives of a robot, without efforts yet.
     pub fn new(model: &Model) -> Self {
         let nj = model.nj();
         Drives {
@@ -43,8 +45,8 @@ impl Drives {
         self.saturated.fill(0.0);
     }
 
-    /// Evaluates all drives at joint positions `q`, velocities `qd` and actuator states `z`. With a step size
-    /// the position servo is referred to the position that the present velocity leads to.
+    /// Evaluates all drives at joint positions `q`, velocities `qd` and actuator states `z`. With a
+    /// step size the position servo is referred to the position that the present velocity leads to.
     pub fn evaluate(&mut self, model: &Model, q: &[f64], qd: &[f64], z: &[f64], command: &Command, dt: Option<f64>) {
         for (j, joint) in model.joints.iter().enumerate() {
             let (q, qd) = (q[j], qd[j]);
@@ -65,8 +67,8 @@ impl Drives {
         self.limit_speeds(model, qd, dt);
     }
 
-    /// Sets `efforts` to their mean over a velocity-level step of size `dt` that changed the joint velocities
-    /// by `dv`.
+    /// Sets `efforts` to their mean over a velocity-level step of size `dt` that changed the joint
+    /// velocities by `dv`.
     pub fn average_over_step(&mut self, dv: &[f64], dt: f64) {
         for (j, effort) in self.efforts.iter_mut().enumerate() {
             *effort = self.servo[j] - self.implicit[j] * dv[j] / dt;

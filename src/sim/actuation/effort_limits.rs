@@ -1,16 +1,16 @@
 //! Speed and effort limits of drives. No drive pushes a joint beyond its speed limit.
 //!
 //! ```text
-//! tau = tau_cmd (v_max - |qd|) / (b v_max)   where that is less and tau_cmd points along qd, but not below 0;   b = 1/10
+//! tau = tau_cmd clamp((v_max - |qd|) / (b v_max), 0, 1)   where tau_cmd points along qd;   b = 1/10
 //! ```
 //!
-//! Over the last tenth of the speed range the effort in the direction of motion falls to zero, as along the
-//! speed-torque line of a motor or the flow limit of a valve. Braking keeps its full effort, and other forces
-//! may push the joint faster. Desired velocities are not changed.
+//! Over the last tenth of the speed range the effort in the direction of motion falls to zero, as
+//! along the speed-torque line of a motor or the flow limit of a valve. Braking keeps its full
+//! effort, and other forces may push the joint faster. Desired velocities are not changed.
 //!
-//! A velocity-level step takes the line at the velocity of its end. A joint that enters the band within the
-//! step is on the line from the start, so the step is posed once more for it. The same holds for a drive that
-//! reaches its effort limit within the step.
+//! A velocity-level step evaluates the line at the velocity of its end. When a joint enters the
+//! band within the step, the step is set up again with the joint on the line from the start. The
+//! same holds for a drive that reaches its effort limit within the step.
 
 use super::Drives;
 use crate::robot::Model;
@@ -19,7 +19,8 @@ use crate::robot::Model;
 pub const BAND: f64 = 0.1;
 
 impl Drives {
-    /// Reduces the efforts to what the joint velocities `qd` allow; with a step size also their slopes.
+    /// Reduces the efforts to what the joint velocities `qd` allow; with a step size also their
+    /// slopes.
     pub(super) fn limit_speeds(&mut self, model: &Model, qd: &[f64], dt: Option<f64>) {
         for (j, joint) in model.joints.iter().enumerate() {
             let (qd, most) = (qd[j], joint.velocity_limit);
@@ -27,7 +28,7 @@ impl Drives {
             if !(line || qd.abs() >= most * (1.0 - BAND)) {
                 continue;
             }
-            // Along the effort's own direction. At a limit of zero no drive acts.
+            // Speed counts in the direction of the effort. At a limit of zero no drive acts.
             let share = |effort: f64| if most > 0.0 { (most - qd * effort.signum()) / (BAND * most) } else { 0.0 };
             self.efforts[j] *= share(self.efforts[j]).clamp(0.0, 1.0);
             let share = share(self.servo[j]);
@@ -39,9 +40,9 @@ impl Drives {
         }
     }
 
-    /// Marks the drives that a velocity-level step brings to their effort limit; they hold it over the whole
-    /// step. `free` are the joint accelerations without contact. Returns whether there are any. A drive that is
-    /// at its limit when the step begins holds it anyway.
+    /// Marks the drives that a velocity-level step brings to their effort limit; they hold it over
+    /// the whole step. `free` are the joint accelerations without contact. Returns whether there
+    /// are any. A drive that is at its limit at the start of the step holds it without a mark.
     pub fn mark_saturated(&mut self, model: &Model, free: &[f64]) -> bool {
         let mut any = false;
         let mut lagging = self.lagging.iter().zip(&self.lag_input).peekable();
@@ -60,8 +61,8 @@ impl Drives {
         any
     }
 
-    /// Marks the joints that a velocity-level step of size `dt` brings into the band of their speed limit.
-    /// `free` are the joint accelerations without contact. Returns whether there are any.
+    /// Marks the joints that a velocity-level step of size `dt` brings into the band of their speed
+    /// limit. `free` are the joint accelerations without contact. Returns whether there are any.
     pub fn mark_entering_speed_band(&mut self, model: &Model, qd: &[f64], free: &[f64], dt: f64) -> bool {
         let mut any = false;
         for (j, joint) in model.joints.iter().enumerate() {

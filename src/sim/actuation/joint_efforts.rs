@@ -8,9 +8,9 @@
 //! stop      tau = -max(0, k p + b p')   with p the travel beyond the limit
 //! ```
 //!
-//! A stop is a stiff one-sided spring and damper: real end stops yield, and the spring keeps the joint's
-//! dynamics within reach of an explicit integrator. Unless the robot file sets its stiffness, the joint's own
-//! inertia oscillates against it at `STOP_RATE`, critically damped.
+//! A stop is a stiff one-sided spring and damper: real end stops yield, and the spring keeps the
+//! joint's dynamics within reach of an explicit integrator. Unless the robot file sets its
+//! stiffness, the joint's own inertia oscillates against it at `STOP_RATE`, critically damped.
 
 use crate::robot::{DriveMode, Joint, JointKind, Model};
 use crate::task::Command;
@@ -26,7 +26,7 @@ pub struct JointStop {
 }
 
 impl JointStop {
-    /// The stop of the robot file, or the default one for a joint with this `inertia` (kg m^2 or kg).
+    /// The stop of the robot file, or the default stop for a joint with `inertia` (kg m^2 or kg).
     pub fn new(joint: &Joint, inertia: f64) -> Self {
         let (stiffness, damping) = joint.stop.unwrap_or((inertia * STOP_RATE * STOP_RATE, 2.0 * inertia * STOP_RATE));
         JointStop { stiffness, damping }
@@ -66,8 +66,9 @@ pub fn servo(joint: &Joint, j: usize, q: f64, qd: f64, command: &Command) -> (f6
     (clipped, clipped != desired)
 }
 
-/// Implicit terms of an unclipped servo in a velocity-level step of size `dt`: the effort from the position
-/// that the present velocity leads to, and `dt` times the decrease of the effort per change of velocity.
+/// Implicit terms of an unclipped servo in a velocity-level step of size `dt`: the effort from the
+/// position that the present velocity leads to, and `dt` times the decrease of the effort per
+/// change of velocity.
 pub fn implicit_servo(j: usize, qd: f64, command: &Command, dt: f64) -> (f64, f64) {
     match command.mode[j] {
         DriveMode::Position => (-command.kp[j] * dt * qd, dt * command.kd[j] + dt * dt * command.kp[j]),
@@ -76,8 +77,8 @@ pub fn implicit_servo(j: usize, qd: f64, command: &Command, dt: f64) -> (f64, f6
     }
 }
 
-/// Adds the passive efforts of all joints: friction and, if given, stops. `q`, `qd` and `tau` have one entry
-/// per joint.
+/// Adds the passive efforts of all joints: friction and, if given, stops. `q`, `qd` and `tau` have
+/// one entry per joint.
 pub fn passive(model: &Model, stops: Option<&[JointStop]>, q: &[f64], qd: &[f64], tau: &mut [f64]) {
     for (j, joint) in model.joints.iter().enumerate() {
         tau[j] += joint.friction_law().effort(qd[j]);
@@ -87,11 +88,11 @@ pub fn passive(model: &Model, stops: Option<&[JointStop]>, q: &[f64], qd: &[f64]
     }
 }
 
-/// Adds the passive efforts of a velocity-level step of size `dt`, at the position that the present velocity
-/// leads to. Writes `dt` times their decrease per change of velocity to `implicit`.
+/// Adds the passive efforts of a velocity-level step of size `dt`, at the position that the present
+/// velocity leads to. Writes `dt` times their decrease per change of velocity to `implicit`.
 ///
-/// Friction enters by its secant at the velocity of the step's end, so its slope has no limit; a stop acts if
-/// it would with the present velocity.
+/// Friction enters by its secant, so its slope has no limit. A stop acts if it would act at the
+/// position that the present velocity leads to.
 pub fn passive_implicit(
     model: &Model,
     stops: Option<&[JointStop]>,

@@ -4,22 +4,25 @@
 //! q(t0 + s T) = q0 + (q1 - q0) (3 s^2 - 2 s^3) + T qd0 s (1 - s)^2 - T qd1 s^2 (1 - s)
 //! ```
 //!
-//! is the cubic of a tick of length T from the present position and velocity (q0, qd0) to those extrapolated from
-//! the commands for the next tick (q1, qd1). Two successive commands a and b belong to one smooth motion if
-//! `|dq - T (qd_a + qd_b) / 2| <= T |dqd| / 5`, where dqd is the change of velocity between them or the one before,
-//! if greater; then the cubic through both is continued. Otherwise the last command is continued by its own
-//! velocity, `(q_des + T qd_des, qd_des)`. If no tick follows, the joint moves to its command and rests there.
+//! is the cubic of a tick of length T from the present position and velocity (q0, qd0) to those
+//! extrapolated from the commands for the next tick (q1, qd1). Two successive commands a and b
+//! belong to one smooth motion if `|dq - T (qd_a + qd_b) / 2| <= T |dqd| / 5`, where dqd is the
+//! change of velocity between them or the one before, if greater; then the cubic through both is
+//! continued. Otherwise the last command is continued by its own velocity,
+//! `(q_des + T qd_des, qd_des)`. If no tick follows, the joint moves to its command and rests
+//! there.
 //!
-//! Position and velocity are therefore continuous. Commands that are cubic polynomials in time are met exactly
-//! from the third tick on, others with an error of order T^4. A command that jumps is reached within one tick.
+//! Position and velocity are therefore continuous. Commands that are cubic polynomials in time are
+//! followed exactly from the third tick on, others with an error of order T^4. A command that jumps
+//! is reached within one tick.
 
 use crate::dynamics::State;
 use crate::robot::{DriveMode, Model};
 use crate::task::Command;
 
-/// Greatest deviation of two commands from one smooth motion, relative to the distance that the change of
-/// velocity covers in a tick. At an inflection the deviation is 1/12 of the change j T due to the jerk j, and the
-/// greater of two successive changes is at least half of j T.
+/// Greatest deviation of two commands from one smooth motion, relative to the distance that the
+/// change of velocity covers in a tick. At an inflection the deviation is 1/12 of the change j T
+/// due to the jerk j, and the greater of two successive changes is at least half of j T.
 const SMOOTH: f64 = 0.2;
 
 /// Position, velocity and acceleration of a joint.
@@ -36,15 +39,15 @@ pub struct JointMotion {
 /// The path of one joint between two instants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct JointPath {
-    /// From, to, s.
+    /// Start and end, s.
     span: (f64, f64),
     from: JointMotion,
     to: JointMotion,
 }
 
 impl JointPath {
-    /// The motion at time `t`. The side of the path's end is that of `within`, a time inside the present
-    /// smooth piece.
+    /// The motion at time `t`. `within`, a time inside the present smooth piece, selects the side
+    /// of the path's end.
     fn at(&self, t: f64, within: f64) -> JointMotion {
         let (begin, end) = self.span;
         if within >= end {
@@ -73,14 +76,15 @@ pub struct KinematicPaths {
     paths: Vec<Option<JointPath>>,
     /// The joints with a path.
     joints: Vec<usize>,
-    /// The last command of each joint and its time; its acceleration is the mean since the command before.
+    /// The last command of each joint and its time; the acceleration is the mean since the previous
+    /// command.
     commands: Vec<(f64, JointMotion)>,
-    /// Where all paths end, s.
+    /// End of all paths, s.
     end: f64,
 }
 
 impl KinematicPaths {
-    /// For a robot of `nj` joints, none of them kinematic yet.
+    /// Paths of a robot with `nj` joints, none of them kinematic yet.
     pub fn new(nj: usize) -> Self {
         KinematicPaths {
             paths: vec![None; nj],
@@ -95,8 +99,8 @@ impl KinematicPaths {
         &self.joints
     }
 
-    /// Plans the paths of a tick of length `period` that begins at the state's time. `next` is the time of the
-    /// next command, if there is one.
+    /// Plans the paths of a tick of length `period` that begins at the state's time. `next` is the
+    /// time of the next command, if there is one.
     pub fn plan(&mut self, model: &Model, command: &Command, state: &State, period: f64, next: Option<f64>) {
         let (now, nb) = (state.time, model.nb());
         let next = next.filter(|t| *t < now + 1.5 * period && *t > now);
@@ -114,14 +118,14 @@ impl KinematicPaths {
             let here = JointMotion { q: state.joints[j], qd: state.v[nb + j], qdd: 0.0 };
             let from = before.filter(|m| m.q == here.q).unwrap_or(here);
             let command_now = JointMotion { q: command.position[j], qd: command.velocity[j], qdd: 0.0 };
-            let (when, last) = std::mem::replace(&mut self.commands[j], (now, command_now));
-            let follows = when > now - 1.5 * period && when < now;
+            let (last_time, last) = std::mem::replace(&mut self.commands[j], (now, command_now));
+            let follows = last_time > now - 1.5 * period && last_time < now;
             if follows {
-                self.commands[j].1.qdd = (command_now.qd - last.qd) / (now - when);
+                self.commands[j].1.qdd = (command_now.qd - last.qd) / (now - last_time);
             }
             let to = match next {
                 None => JointMotion { qd: 0.0, ..command_now },
-                Some(_) if follows => extrapolate(&last, &command_now, now - when, end - now),
+                Some(_) if follows => extrapolate(&last, &command_now, now - last_time, end - now),
                 Some(_) => JointMotion { q: command_now.q + command_now.qd * (end - now), ..command_now },
             };
             self.paths[j] = Some(JointPath { span: (now, end), from, to });
@@ -152,7 +156,7 @@ fn extrapolate(a: &JointMotion, b: &JointMotion, before: f64, ahead: f64) -> Joi
     if bend.abs() > SMOOTH * before * change {
         return JointMotion { q: b.q + b.qd * ahead, ..*b };
     }
-    // The cubic about b: acceleration and jerk from what the velocities and the bend say.
+    // The cubic about b: acceleration and jerk follow from the velocities and the bend.
     let jerk = -12.0 * bend / before.powi(3);
     let acceleration = (b.qd - a.qd) / before + 0.5 * jerk * before;
     JointMotion {

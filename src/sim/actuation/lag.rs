@@ -4,8 +4,8 @@
 //! T dz/dt = u - z                    z effort, u servo effort within its limits, T time constant
 //! ```
 //!
-//! z is part of the state. A velocity-level step of size dt holds u, taken at the velocity of the step's end,
-//! and is exact for that:
+//! z is part of the state. A velocity-level step of size dt holds u at its value for the velocity
+//! of the step's end, and solves the equation exactly for it:
 //!
 //! ```text
 //! z+ = z + (u - z) (1 - e^-x)        mean of z over the step = z + phi (u - z),   phi = 1 - (1 - e^-x) / x,   x = dt / T
@@ -17,17 +17,18 @@ use super::{Drives, joint_efforts};
 use crate::robot::Model;
 use crate::task::Command;
 
-/// Part of the way to u that z covers within `x` time constants, and that its mean over that time covers.
+/// Fraction of the way to u that z covers within `x` time constants, and the mean of that fraction
+/// over the time.
 pub(super) fn shares(x: f64) -> (f64, f64) {
     let end = -(-x).exp_m1();
-    // 1 - end / x cancels below: its series there, the first term left out is x^4 / 120.
+    // 1 - end / x cancels for small x. The first omitted term of the series is x^4 / 120.
     let mean = if x < 1e-3 { x * (0.5 - x * (1.0 / 6.0 - x / 24.0)) } else { 1.0 - end / x };
     (end, mean)
 }
 
 impl Drives {
-    /// Replaces the efforts of lagging actuators by their states `z` and keeps the servo's as their input. With
-    /// a step size `servo` becomes their mean over the step.
+    /// Replaces the efforts of lagging actuators by their states `z` and stores the servo efforts
+    /// as their input. With a step size `servo` becomes the mean over the step.
     pub(super) fn apply_lag(&mut self, model: &Model, z: &[f64], dt: Option<f64>) {
         for (i, &j) in self.lagging.iter().enumerate() {
             let z = z[i];
@@ -44,8 +45,8 @@ impl Drives {
         self.lagging.iter().zip(&self.lag_input).zip(z).map(|((&j, (u, _)), z)| (u - z) / model.joints[j].lag)
     }
 
-    /// Advances the efforts `z` of lagging actuators over a velocity-level step of size `dt` that changed the
-    /// joint velocities by `dv`.
+    /// Advances the efforts `z` of lagging actuators over a velocity-level step of size `dt` that
+    /// changed the joint velocities by `dv`.
     pub fn advance_lag(&self, model: &Model, dv: &[f64], dt: f64, z: &mut [f64]) {
         for (i, &j) in self.lagging.iter().enumerate() {
             let (input, gain) = self.lag_input[i];
@@ -54,8 +55,8 @@ impl Drives {
         }
     }
 
-    /// Sets the efforts `z` of lagging actuators to the servo efforts of `command` at positions `q` and
-    /// velocities `qd`.
+    /// Sets the efforts `z` of lagging actuators to the servo efforts of `command` at positions `q`
+    /// and velocities `qd`.
     pub fn fill_lag(&self, model: &Model, q: &[f64], qd: &[f64], command: &Command, z: &mut [f64]) {
         for (i, &j) in self.lagging.iter().enumerate() {
             z[i] = joint_efforts::servo(&model.joints[j], j, q[j], qd[j], command).0;

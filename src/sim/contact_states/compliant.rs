@@ -1,7 +1,8 @@
-//! Compliant methods in a run: forces follow from positions and velocities, and contact states from the forces.
+//! Compliant methods in a run: forces follow from positions and velocities, and contact states from
+//! the forces.
 //!
-//! There are no impacts, projections or event functions. The states are for the log: the pattern of the vertices that
-//! carry load, static while they slip slower than the method can hold.
+//! There are no impacts, projections or event functions. The states serve the log only: the pattern
+//! of the vertices that carry load, static while they slip slower than the method can hold.
 
 use crate::contact::methods::contact_method::SelectionInput;
 use crate::sim::report::Observer;
@@ -9,7 +10,8 @@ use crate::sim::run::RunState;
 use crate::sim::run_error::RunError;
 
 impl RunState {
-    /// Updates friction and derives the states from the forces at the plant's present state, which must be evaluated.
+    /// Updates friction and derives the states from the forces at the plant's present state, which
+    /// must be evaluated.
     pub(in crate::sim) fn read_compliant_states(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         if !self.plant.floor.patches.is_empty() {
             self.update_friction(observer)?;

@@ -1,11 +1,11 @@
-//! Projection of drift out of a run's state, see [`crate::contact::hybrid::projection`].
+//! Removal of drift from a run's state, see [`crate::contact::hybrid::projection`].
 
 use crate::contact::hybrid::projection;
 use crate::dynamics::reduced;
 use crate::sim::run::RunState;
 
-/// Stores the positions of the vertices of sole `s`. Where events are located, touching vertices are placed on the
-/// floor itself.
+/// Stores the positions of the vertices of sole `s`. Where events are located, touching vertices
+/// are placed on the floor itself.
 pub fn anchor(sim: &mut RunState, s: usize) {
     let on_floor = if sim.locates_events() { 2.0 * sim.tolerances.distance } else { 0.0 };
     let sole = &sim.plant.problem.soles[s];
@@ -19,7 +19,8 @@ pub fn anchor(sim: &mut RunState, s: usize) {
 }
 
 impl RunState {
-    /// Projects velocity and position errors of the clamped soles out of the plant's state. Needs an evaluation at it.
+    /// Projects velocity and position errors of the clamped soles out of the plant's state. Needs
+    /// an evaluation at it.
     pub(in crate::sim) fn project_drift(&mut self) {
         if (0..self.plant.problem.soles.len()).all(|s| self.plant.states[s].normal_rows() == 0) {
             return;

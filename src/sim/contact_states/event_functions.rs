@@ -20,7 +20,7 @@ impl FrictionBorders for Plant {
     }
 }
 
-/// Calls `f` with the contact in force of a run.
+/// Calls `f` with the present contact of a run.
 fn with_contact<T>(sim: &RunState, f: impl FnOnce(&ContactInForce) -> T) -> T {
     let plant = &sim.plant;
     f(&ContactInForce {

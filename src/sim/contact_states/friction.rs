@@ -6,7 +6,7 @@ use crate::sim::run::RunState;
 use crate::sim::run_error::RunError;
 
 impl RunState {
-    /// Gives every vertex the friction of its region. Needs the vertices at the present state.
+    /// Assigns every vertex the friction of its region. Needs the vertices at the present state.
     pub(in crate::sim) fn update_friction(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         if self.plant.floor.patches.is_empty() {
             return Ok(());

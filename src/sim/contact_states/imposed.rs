@@ -1,10 +1,11 @@
 //! States imposed on soles by the scenario (`contact.forced`).
 //!
-//! An imposed state is not checked: it has no event functions, no impact stops the sole, and violations do not count
-//! as inconsistent. The residuals show them: friction beyond its capacity, penetration, tension.
+//! An imposed state is not checked: it has no event functions, no impact stops the sole, and
+//! violations do not count as inconsistent. The residuals show them: friction beyond its capacity,
+//! penetration, tension.
 
 use crate::contact::model::state::{MAX_SOLES, SoleState};
-use crate::contact::search::judge::{Faults, Verdict};
+use crate::contact::search::judge::{Assessment, Faults};
 use crate::sim::event_kind::EventKind;
 use crate::sim::report::Observer;
 use crate::sim::run::RunState;
@@ -25,10 +26,10 @@ impl RunState {
         self.forced(self.plant.state.time)[s].is_some()
     }
 
-    /// Do all faults of a verdict belong to soles with imposed states?
-    pub(in crate::sim) fn all_imposed(&self, verdict: &Verdict) -> bool {
+    /// Do all faults of a assessment belong to soles with imposed states?
+    pub(in crate::sim) fn all_imposed(&self, assessment: &Assessment) -> bool {
         let forced = self.forced(self.plant.state.time);
-        forced.iter().zip(&verdict.faults).all(|(forced, faults)| forced.is_some() || *faults == Faults::default())
+        forced.iter().zip(&assessment.faults).all(|(forced, faults)| forced.is_some() || *faults == Faults::default())
     }
 
     /// Reports the states that are imposed from now on, and those no longer imposed.

@@ -1,7 +1,8 @@
-//! Choice of contact states at an instant: impacts, imposed states, compliant floors, problem reports.
+//! Choice of contact states at an instant: impacts, imposed states, compliant floors, problem
+//! reports.
 //!
-//! The laws are pure functions of contact problems in [`crate::contact`]; this room applies them to the plant
-//! of a run, counts, and reports events.
+//! The laws are pure functions of contact problems in [`crate::contact`]. This module applies them
+//! to the plant of a run, counts selections, and reports events.
 //!
 //! Imports plant, measure and contact. Called by the steppers.
 

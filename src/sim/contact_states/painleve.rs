@@ -1,4 +1,4 @@
-//! Ends sliding that no finite force continues by an impulse: Painleve's paradox in a run, see
+//! Painleve's paradox in a run: an impulse ends sliding that no finite force can continue, see
 //! [`crate::contact::hybrid::painleve`].
 
 use crate::contact::hybrid::copositivity::{SlidingLoad, least_sliding_load};
@@ -13,19 +13,21 @@ use crate::sim::run_error::RunError;
 const LEAVES: f64 = 1e-11;
 
 impl RunState {
-    /// Ends sliding that no finite force continues by an impulse. Returns false if there is no such sliding. Needs a free
-    /// evaluation at the plant's state, for which no valid contact state was found.
+    /// Applies an impulse that ends sliding which no finite force can continue. Returns false if
+    /// there is no such sliding. Needs a free evaluation at the plant's state, for which no valid
+    /// contact state was found.
     pub(in crate::sim) fn resolve_jam(&mut self, observer: &mut dyn Observer) -> Result<bool, RunError> {
-        // Fixed steps solve the velocity-level problem anyway, and methods that do not search find nothing inconsistent.
+        // Fixed steps solve the velocity-level problem anyway, and methods without a search report
+        // no inconsistency.
         if !self.plant.method.locates_events() {
             return Ok(false);
         }
         let Some(load) = self.least_sliding_load().filter(SlidingLoad::drives_into_floor) else { return Ok(false) };
         // Without a jam the run continues with the solution of the search.
-        let left = (self.plant.problem.clone(), self.plant.solution.clone());
+        let saved = (self.plant.problem.clone(), self.plant.solution.clone());
         let resolved = self.apply_jam(&load, observer)?;
         if !resolved {
-            (self.plant.problem, self.plant.solution) = left;
+            (self.plant.problem, self.plant.solution) = saved;
         }
         Ok(resolved)
     }
@@ -51,8 +53,8 @@ impl RunState {
         self.event(observer, EventKind::Jam, &sole, &message)
     }
 
-    /// Ends sliding whose contact force grows without bound, so that the step size collapses. Returns false if that is
-    /// not the cause. Needs a free evaluation.
+    /// Ends sliding whose contact force grows without bound, after the step size has collapsed.
+    /// Returns false if that is not the cause. Needs a free evaluation.
     pub(in crate::sim) fn resolve_unbounded_force(&mut self, observer: &mut dyn Observer) -> Result<bool, RunError> {
         let Some(load) = self.least_sliding_load().filter(SlidingLoad::is_at_limit) else { return Ok(false) };
         let (s, i) = load.at;
@@ -67,7 +69,7 @@ impl RunState {
             plant.evaluate_free();
             let jump = plant.apply_impulses(&scaled(&load.wrench, size));
             plant.evaluate_free();
-            // Beyond rounding, or sliding with K nearly zero would be found again.
+            // The acceleration must exceed rounding, or sliding with K nearly zero is found again.
             let size = plant.problem.b.iter().fold(0.0, |m: f64, b| m.max(b.abs()));
             let leaves = plant.problem.vertex_motion(&plant.problem.b, s, i).z >= LEAVES * size;
             (leaves, plant.problem.soles[s].vertices[i].velocity.xy().dot(&slip) > 0.0, jump)
@@ -92,14 +94,15 @@ impl RunState {
         Ok(true)
     }
 
-    /// The normal load of least `x . K x` on sliding vertices.
+    /// The normal load with the least `x . K x` on sliding vertices.
     fn least_sliding_load(&mut self) -> Option<SlidingLoad> {
         let plant = &mut self.plant;
         let (p, method) = (&mut plant.problem, plant.method.as_mut());
         least_sliding_load(p, method, &plant.states, &self.tolerances, &mut self.projection)
     }
 
-    /// The states after the jam of a load, its impulses in `self.projection`; none where there is no jam.
+    /// The states after the jam of a load, with its impulses in `self.projection`; none if there is
+    /// no jam.
     fn jam_states(&mut self, load: &SlidingLoad) -> Option<States> {
         let (rules, forced) = (self.rules(), self.forced(self.plant.state.time));
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
@@ -115,7 +118,7 @@ impl RunState {
         states
     }
 
-    /// Does an impulse along this load turn the slip of its vertex so that K falls further?
+    /// Does an impulse along this load turn the slip of its vertex so that K decreases further?
     fn turns_into_floor(&mut self, load: &SlidingLoad) -> bool {
         let (s, i) = load.at;
         let start = self.plant.state.v.clone();

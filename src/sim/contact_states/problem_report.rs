@@ -17,30 +17,31 @@ impl RunState {
         input: &SelectionInput,
         forced: &[Option<SoleState>; MAX_SOLES],
     ) {
-        self.posed_problem = (observer.problems() != Problems::None).then(|| {
+        self.recorded_problem = (observer.problems() != Problems::None).then(|| {
             let (time, plant) = (self.plant.state.time, &self.plant);
             let method = (self.contact.method.name(), &self.contact.method.parameters());
-            let mut frozen =
+            let mut record =
                 SelectionRecord::from_problem(time, method, &plant.problem, input, forced, &plant.solution);
-            for (s, sole) in frozen.soles.iter_mut().enumerate() {
+            for (s, sole) in record.soles.iter_mut().enumerate() {
                 sole.name.clone_from(&plant.model.soles[s].name);
                 sole.reference_m = plant.sole_origin(s).into();
             }
-            Box::new(frozen)
+            Box::new(record)
         });
     }
 
-    /// Adds the solution, which the plant holds, to the recorded problem. Reports it to an observer of all problems.
+    /// Adds the plant's solution to the recorded problem. Reports the record to an observer of all
+    /// problems.
     pub(in crate::sim) fn record_solution(
         &mut self,
         observer: &mut dyn Observer,
         selection: &Selection,
     ) -> Result<(), RunError> {
-        let Some(frozen) = &mut self.posed_problem else { return Ok(()) };
-        frozen.set_answer(selection, &self.plant.solution);
+        let Some(record) = &mut self.recorded_problem else { return Ok(()) };
+        record.set_answer(selection, &self.plant.solution);
         if observer.problems() == Problems::All {
-            observer.problem(frozen).map_err(RunError::internal)?;
-            self.posed_problem = None;
+            observer.problem(record).map_err(RunError::internal)?;
+            self.recorded_problem = None;
         }
         Ok(())
     }
@@ -52,8 +53,8 @@ impl RunState {
         message: &str,
     ) -> Result<(), RunError> {
         self.metrics.inconsistent += 1;
-        if let Some(frozen) = self.posed_problem.take() {
-            observer.problem(&frozen).map_err(RunError::internal)?;
+        if let Some(record) = self.recorded_problem.take() {
+            observer.problem(&record).map_err(RunError::internal)?;
         }
         self.event(observer, EventKind::Inconsistent, "", message)
     }

@@ -4,7 +4,8 @@ use crate::contact::model::state::Mode;
 use crate::sim::plant::sliding_directions::DIRECTION_SPEED;
 use crate::sim::run::RunState;
 
-/// Distance from zero at which a slowing vertex passes it, relative to the speed up to which its direction is held.
+/// Distance at which a slowing vertex misses zero velocity, relative to the speed up to which its
+/// direction is held.
 const MISS: f64 = 0.1;
 /// Acceleration, relative to gravity, above which it may be due to friction.
 const QUICK: f64 = 0.05;
@@ -19,14 +20,15 @@ impl RunState {
         })
     }
 
-    /// Speed, m/s, up to which vertices are set to rest because steps do not resolve how they come to rest; 0 if they
-    /// do.
+    /// Speed, m/s, up to which vertices are set to rest because steps do not resolve how they come
+    /// to rest; 0 if they do.
     ///
-    /// Where friction of one vertex responds to that of others its sliding direction is stiff near zero: it turns at a
-    /// rate of many times acceleration over speed. Explicit steps follow it, each to some part of its initial speed,
-    /// down to their own error in speed (`Plant::direction_speed`). There the direction is held, and may be that of the
-    /// error. A vertex that then slows down as fast as friction allows, and misses zero, is at rest within the
-    /// error.
+    /// Where the friction of one vertex responds to that of others, its sliding direction is stiff
+    /// near zero speed: it turns at a rate of many times acceleration over speed. Explicit steps
+    /// follow it, each to a fraction of its initial speed, down to their own error in speed
+    /// (`Plant::direction_speed`). Below that the direction is held, and may be that of the error.
+    /// A vertex that then slows down as fast as friction allows, and misses zero, is at rest within
+    /// the error.
     pub(in crate::sim) fn slow_to_rest(&self) -> f64 {
         let plant = &self.plant;
         let quick = QUICK * plant.gravity.norm();

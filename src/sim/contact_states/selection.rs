@@ -1,4 +1,5 @@
-//! Choice of contact states at an instant: impacts first, then the states consistent with the accelerations.
+//! Choice of contact states at an instant: impacts first, then the states consistent with the
+//! accelerations.
 
 use super::drift_projection::anchor;
 use crate::contact::hybrid::impact;
@@ -12,14 +13,14 @@ use crate::sim::run::RunState;
 use crate::sim::run_error::RunError;
 use nalgebra::Vector2;
 
-/// Rounds of selection and settling at one instant.
+/// Rounds of selection and velocity jumps at one instant.
 const ROUNDS: usize = 4;
 /// Impacts that may follow each other at one instant.
 const CASCADE: usize = 32;
 
 impl RunState {
-    /// Chooses the contact states at the plant's present state, with impacts where vertices hit the floor, and leaves
-    /// the plant evaluated.
+    /// Chooses the contact states at the plant's present state, with impacts where vertices hit the
+    /// floor, and leaves the plant evaluated.
     pub(in crate::sim) fn choose_states(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         if self.plant.is_compliant() {
             self.plant.evaluate();
@@ -39,25 +40,28 @@ impl RunState {
                 impacts += 1;
                 if impacts > CASCADE {
                     let t = self.plant.state.time;
-                    return Err(RunError::new(Outcome::Stalled, format!("{CASCADE} impacts in a row at {t:.9} s")));
+                    return Err(RunError::new(
+                        Outcome::Stalled,
+                        format!("more than {CASCADE} impacts in a row at {t:.9} s"),
+                    ));
                 }
             }
             let selection = self.select(observer)?;
             self.count(&selection);
-            let invalid = !selection.consistent && !self.all_imposed(&selection.verdict);
+            let invalid = !selection.consistent && !self.all_imposed(&selection.assessment);
             // A jam is a solution only if a state is chosen after it.
             if invalid && round < ROUNDS && self.resolve_jam(observer)? {
                 continue;
             }
             if invalid {
                 // The run continues with the states of least violation.
-                let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
+                let message = format!("no contact state is valid; least violations {:?}", selection.assessment.levels);
                 self.report_inconsistent(observer, &message)?;
             }
             self.adopt(selection.states, observer)?;
-            // Normal motion (below v_t) and slip (below the rest speed) that the new state does not allow end here; the
-            // choice is then repeated with the consistent velocities.
-            let change = self.settle_velocities();
+            // Normal motion (below v_t) and slip (below the rest speed) that the new state does not
+            // allow end here; the choice is then repeated with the consistent velocities.
+            let change = self.stop_clamped_directions();
             self.plant.evaluate_free();
             if change <= self.tolerances.rest {
                 break;
@@ -68,17 +72,18 @@ impl RunState {
         Ok(())
     }
 
-    /// As [`choose_states`](Self::choose_states), with vertices slower than `speed` (m/s) at rest.
+    /// As [`choose_states`](Self::choose_states), with vertices slower than `speed` (m/s) set to
+    /// rest.
     pub(in crate::sim) fn choose_states_with_rest(
         &mut self,
         speed: f64,
         observer: &mut dyn Observer,
     ) -> Result<(), RunError> {
-        let kept = (self.plant.rest, self.tolerances.rest);
-        (self.plant.rest, self.tolerances.rest) = (kept.0.max(speed), kept.1.max(speed));
-        let chosen = self.choose_states(observer);
-        (self.plant.rest, self.tolerances.rest) = kept;
-        chosen
+        let saved = (self.plant.rest, self.tolerances.rest);
+        (self.plant.rest, self.tolerances.rest) = (saved.0.max(speed), saved.1.max(speed));
+        let result = self.choose_states(observer);
+        (self.plant.rest, self.tolerances.rest) = saved;
+        result
     }
 
     /// Does a vertex hit the floor?
@@ -133,9 +138,9 @@ impl RunState {
         self.energy.add_jump(jump);
         self.metrics.impacts += 1;
         let (t, after) = (self.plant.state.time, self.plant.kinetic_energy());
-        self.milestones.take_impact(t, after, loss, &mut self.metrics);
+        self.milestones.record_impact(t, after, loss, &mut self.metrics);
         self.count(&selection);
-        if !selection.consistent && !self.all_imposed(&selection.verdict) {
+        if !selection.consistent && !self.all_imposed(&selection.assessment) {
             self.report_inconsistent(observer, "no contact state is valid at an impact")?;
         }
         let message = format!("approach {fastest:.6} m/s, energy lost {loss:.6e} J");
@@ -145,7 +150,8 @@ impl RunState {
         Ok(())
     }
 
-    /// Adopts the states: counts and reports changes, and anchors the vertices of soles that changed.
+    /// Adopts the states: counts and reports changes, and anchors the vertices of soles that
+    /// changed.
     pub(in crate::sim) fn adopt(&mut self, states: States, observer: &mut dyn Observer) -> Result<(), RunError> {
         let t = self.plant.state.time;
         for s in 0..self.plant.problem.soles.len() {
@@ -189,27 +195,26 @@ impl RunState {
         Ok(())
     }
 
-    /// Brings the clamped directions of the adopted states to rest by a velocity jump. Returns the greatest change of a
-    /// vertex's velocity, m/s.
-    fn settle_velocities(&mut self) -> f64 {
+    /// Brings the clamped directions of the adopted states to rest by a velocity jump. Returns the
+    /// greatest change of a vertex's velocity, m/s.
+    fn stop_clamped_directions(&mut self) -> f64 {
         let tol = self.tolerances;
         // For a method without event location the impacts happen here.
         let bounce = if self.plant.method.locates_events() { 0.0 } else { self.contact.restitution };
-        // Where the rest speed is above rounding it is the least change, as for drift.
+        // A rest speed above rounding needs the least change of velocity, as drift does.
         let least = tol.rest > self.contact.tolerances.rest;
         let plant = &mut self.plant;
         let p = &mut plant.problem;
         let states = impact::set_rest(p, &plant.reduced.velocity, &plant.states, &tol, bounce);
         if least {
-            // Friction of feet that keep sliding would have impulses of either sign, and could add energy.
+            // Friction impulses of soles that keep sliding would have either sign and could add
+            // energy.
             let vertices = p.soles.iter_mut().flat_map(|sole| &mut sole.vertices);
             vertices.for_each(|v| v.direction = Vector2::zeros());
         }
         plant.method.respond(p, &states, &mut self.projection);
         if least {
-            for (sole, directions) in p.soles.iter_mut().zip(&plant.directions) {
-                sole.vertices.iter_mut().zip(directions).for_each(|(v, d)| v.direction = *d);
-            }
+            p.set_directions(&plant.directions);
         }
         let change = impact::greatest_change(p, &self.projection.motion);
         let jump = plant.apply_impulses(&self.projection.wrench);

@@ -18,8 +18,8 @@ impl RunState {
         let selection = plant.method.impulse(&mut plant.problem, &input, &mut plant.solution);
         self.record_solution(observer, &selection)?;
         self.count(&selection);
-        if !selection.consistent && !self.all_imposed(&selection.verdict) {
-            let message = format!("no contact state is valid; least violations {:?}", selection.verdict.levels);
+        if !selection.consistent && !self.all_imposed(&selection.assessment) {
+            let message = format!("no contact state is valid; least violations {:?}", selection.assessment.levels);
             self.report_inconsistent(observer, &message)?;
         }
         self.adopt(selection.states, observer)

@@ -6,8 +6,8 @@
 //! inside(region j) = min(inside_j, -inside_i for all i > j)        inside(plane) = min over all i of -inside_i
 //! ```
 //!
-//! with inside_j that of [`Patch::inside`], is continuous; a sliding vertex changes its friction where it is zero.
-//! Distances are those seen from above.
+//! with inside_j that of [`Patch::inside`], is continuous; a sliding vertex changes its friction
+//! where it is zero. Distances are those seen from above.
 
 use super::patch::{Patch, border_width};
 use crate::geometry::Plane;
@@ -27,7 +27,7 @@ pub struct Floor {
     pub mu_s: f64,
     /// Kinetic friction coefficient.
     pub mu_k: f64,
-    /// Patches with friction of their own; where they overlap the last one counts.
+    /// Patches with friction of their own; where they overlap the last one applies.
     pub patches: Vec<Patch>,
 }
 
@@ -46,9 +46,7 @@ impl Floor {
     pub fn height(&self, p: &Vector3<f64>) -> f64 {
         self.rotation.column(2).dot(&(p - self.point))
     }
-}
 
-impl Floor {
     /// The region of a point; the border belongs to the patch.
     pub fn region(&self, p: &Vector2<f64>) -> RegionId {
         self.patches.iter().rposition(|patch| patch.inside(p) >= -0.5 * border_width(p))
@@ -65,8 +63,9 @@ impl Floor {
         region.map_or((self.mu_s, self.mu_k), |z| (self.patches[z].mu_s, self.patches[z].mu_k))
     }
 
-    /// Where the segment from `from` to `to` leaves `region`, if it does: the middle between there and the next
-    /// border, as a fraction of the segment. Pieces shorter than a nanometre do not count.
+    /// Where the segment from `from` to `to` leaves `region`, if it does: the middle between that
+    /// point and the next border, as a fraction of the segment. Pieces shorter than a nanometre are
+    /// ignored.
     pub fn exit_from(&self, region: RegionId, from: &Vector2<f64>, to: &Vector2<f64>) -> Option<f64> {
         const SHORT: f64 = 1e-9;
         let length = (to - from).norm();
@@ -93,6 +92,7 @@ impl Floor {
         patch.corners.iter().map(lift).collect()
     }
 
+    /// The patches that cover `region` where they overlap it.
     fn above(&self, region: RegionId) -> &[Patch] {
         &self.patches[region.map_or(0, |z| z + 1)..]
     }
@@ -103,7 +103,7 @@ fn crossing(from: &Vector2<f64>, to: &Vector2<f64>, a: &Vector2<f64>, b: &Vector
     let (segment, edge, start) = (to - from, b - a, a - from);
     let across = segment.perp(&edge);
     let (t, s) = (start.perp(&edge) / across, start.perp(&segment) / across);
-    // Parallel segments give no number and do not cross.
+    // Parallel segments divide by zero and do not cross.
     ((0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&s)).then_some(t)
 }
 

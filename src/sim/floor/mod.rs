@@ -1,7 +1,7 @@
 //! The floor: a plane, patches with friction of their own, and the friction region of each vertex.
 //!
-//! Imports geometry. Called by `plant`, which holds the floor, and by `assemble`, which builds it from a
-//! scenario.
+//! Imports geometry. Called by `plant`, which holds the floor, and by `assemble`, which builds it
+//! from a scenario.
 
 pub mod friction_regions;
 pub mod patch;

@@ -1,7 +1,8 @@
 //! Patches: polygons on the floor with friction of their own.
 //!
-//! A patch is a simple polygon in the world's x and y, seen from above: it covers the points of the floor that
-//! lie vertically above or below it, however the floor is tilted. The signed distance to its border is
+//! A patch is a simple polygon in the world's x and y, seen from above: it covers the points of the
+//! floor that lie vertically above or below it, however the floor is tilted. The signed distance to
+//! its border is
 //!
 //! ```text
 //! inside(p) = +- min over edges |p - edge|        positive within the polygon
@@ -9,8 +10,8 @@
 
 use nalgebra::Vector2;
 
-/// Width of a border: a point nearer to it is on it. 1e-12 of the coordinates but at least of a metre, far above
-/// their rounding.
+/// Width of a border, m: a point nearer to a border is on it. It is 1e-12 times the coordinates, at
+/// least 1e-12 m, far above their rounding.
 pub fn border_width(p: &Vector2<f64>) -> f64 {
     1e-12 * p.amax().max(1.0)
 }
@@ -27,7 +28,7 @@ pub struct Patch {
 }
 
 impl Patch {
-    /// Its edges, in order.
+    /// The edges, in order.
     pub(super) fn edges(&self) -> impl Iterator<Item = (Vector2<f64>, Vector2<f64>)> {
         let n = self.corners.len();
         (0..n).map(move |i| (self.corners[i], self.corners[(i + 1) % n]))

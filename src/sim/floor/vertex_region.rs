@@ -1,15 +1,16 @@
 //! The friction region of one vertex, with a border that widens while the vertex chatters over it.
 //!
-//! Regions are held while a step is integrated, so that its equations are smooth. A clamped vertex that slides
-//! over a border changes its region at an event. It must be the border's width beyond the border for that, so
-//! that a vertex on a border, or sliding along it, keeps its region despite rounding.
+//! Regions are held while a step is integrated, so that its equations are smooth. A clamped vertex
+//! that slides over a border changes its region at an event, when it is the border's width beyond
+//! the border. A vertex on a border, or sliding along it, thus keeps its region despite rounding.
 
 use super::friction_regions::RegionId;
 
 /// A vertex that crosses a border back and forth within this time chatters, s.
 const CHATTER: f64 = 1e-3;
-/// Chattering makes a border ten times as wide each time, up to this factor: a micrometre. Friction that drives
-/// a vertex to a border from both sides then costs some hundred events per second, not an unbounded number.
+/// Chattering makes a border ten times as wide each time, up to this factor: a micrometre. Friction
+/// that drives a vertex to a border from both sides then costs some hundred events per second, not
+/// an unbounded number.
 const WIDEST: f64 = 1e6;
 
 /// The region of one vertex.
@@ -17,6 +18,7 @@ const WIDEST: f64 = 1e6;
 pub struct VertexRegion {
     /// The region whose friction the vertex has.
     pub region: RegionId,
+    /// The region before it.
     before: RegionId,
     /// When the region last changed, s.
     changed: f64,
@@ -25,7 +27,7 @@ pub struct VertexRegion {
 }
 
 impl VertexRegion {
-    /// In a region, without history.
+    /// A vertex in a region, without history.
     pub fn new(region: RegionId) -> Self {
         VertexRegion { region, before: region, changed: f64::NEG_INFINITY, widths: 1.0 }
     }
@@ -49,7 +51,7 @@ mod tests {
             vertex.enter(if k % 2 == 0 { None } else { Some(0) }, 1e-5 * f64::from(k));
         }
         assert_eq!(vertex.widths, WIDEST);
-        // Later, or into another region: as narrow as at first.
+        // A later crossing, or one into another region, restores the narrow border.
         vertex.enter(None, 1.0);
         assert_eq!(vertex.widths, 1.0);
         vertex.enter(Some(1), 1.0 + 1e-5);

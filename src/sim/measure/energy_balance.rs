@@ -4,13 +4,16 @@
 //! E(t) - E(0) = W_actuators + W_external - L_joints - L_friction - L_impacts + error
 //! ```
 //!
-//! E is kinetic and potential energy, including that in the springs of a compliant method. W_actuators is the work
-//! of the servos. W_external is the work of external forces and of events that change the robot, gravity or the
-//! state. L_joints is dissipated by damping, friction and stops of the joints (a stop returns some). L_friction is
-//! dissipated by contact friction, from the vertex forces and velocities themselves. L_impacts is dissipated by
-//! velocity jumps: impacts, jams, and the small normal motion and slip that a new contact state ends; with a
-//! compliant method it is what the floor's dampers dissipate. Flows are integrated with the state; jumps are added
-//! when they happen. The rest, including drift projections and work of normal forces, is the error.
+//! - E: kinetic and potential energy, including that in the springs of a compliant method.
+//! - W_actuators: work of the servos.
+//! - W_external: work of external forces and of events that change the robot, gravity or the state.
+//! - L_joints: dissipated by damping, friction and stops of the joints (a stop returns some).
+//! - L_friction: dissipated by contact friction, from the vertex forces and velocities.
+//! - L_impacts: dissipated by velocity jumps: impacts, jams, and the small normal motion and slip
+//!   that a new contact state ends; with a compliant method, dissipated by the floor's dampers.
+//!
+//! Flows are integrated with the state; jumps are added when they happen. The remainder, including
+//! drift projections and work of normal forces, is the error.
 
 use crate::sim::plant::kinematic_joints::JumpWork;
 use crate::sim::plant::{EnergyFlows, Plant};
@@ -18,7 +21,7 @@ use crate::sim::plant::{EnergyFlows, Plant};
 /// The balance at one instant, J, in the module's order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyBalance {
-    /// Kinetic and potential energy, now less at the start.
+    /// Kinetic and potential energy, less that at the start.
     pub change: f64,
     /// Work of the actuators.
     pub actuators: f64,
@@ -45,9 +48,10 @@ impl EnergyBalance {
 pub struct EnergyAccount {
     /// Energy at the start, J.
     pub start: f64,
-    /// Energies that flowed.
+    /// Integrated energy flows.
     pub flows: EnergyFlows,
-    /// Work of velocity jumps, J: impacts, jams, and small velocities that a new contact state ends.
+    /// Work of velocity jumps, J: impacts, jams, and small velocities that a new contact state
+    /// ends.
     pub jump_work: f64,
 }
 

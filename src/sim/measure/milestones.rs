@@ -1,4 +1,4 @@
-//! Single instants of a run for the summary: tipping, impacts, flight, and the state at the end.
+//! Quantities of single instants for the summary: tipping, impacts, flight, and the final state.
 //!
 //! ```text
 //! flight        c(t) = c0 + c0' t + g t^2 / 2        k_c(t) = k_c(0)
@@ -40,14 +40,15 @@ impl Milestones {
         Milestones { launch: (plant.state.position, velocity), ..Milestones::default() }
     }
 
-    /// Starts a new flight after a jump of the motion. Contact states have jumped as well if a state was `restored`.
+    /// Restarts after a jump of the motion; contact states have jumped too if a state was
+    /// `restored`.
     pub fn restart(&mut self, restored: bool) {
         self.flight = None;
         self.states = self.states.filter(|_| !restored);
     }
 
-    /// Takes the end of a step. Needs kinematics at the plant's state.
-    pub fn take_step(&mut self, plant: &Plant, m: &mut Metrics) {
+    /// Evaluates the end of a step. Needs kinematics at the plant's state.
+    pub fn record_step(&mut self, plant: &Plant, m: &mut Metrics) {
         let soles = plant.problem.soles.len();
         let (states, t) = (plant.states, plant.state.time);
         if let Some(before) = self.states.replace(states) {
@@ -76,8 +77,9 @@ impl Milestones {
         }
     }
 
-    /// Takes an impact at time `t` that dissipated the kinetic energy `loss`; `after` is left, J.
-    pub fn take_impact(&mut self, t: f64, after: f64, loss: f64, m: &mut Metrics) {
+    /// Evaluates an impact at time `t` that dissipated `loss` and left the kinetic energy `after`,
+    /// J.
+    pub fn record_impact(&mut self, t: f64, after: f64, loss: f64, m: &mut Metrics) {
         let (first, before) = *self.first_impact.get_or_insert((t, after + loss));
         m.last_impact_s = Some(t);
         // Impacts at one instant count as one.
@@ -86,8 +88,8 @@ impl Milestones {
         }
     }
 
-    /// Writes the state at the end into the metrics. Needs an evaluation without contact at the plant's state; the
-    /// forces are those of the last snapshot if it is of the same instant.
+    /// Writes the state at the end into the metrics. Needs an evaluation without contact at the
+    /// plant's state; the forces are those of the last snapshot if it is of the same instant.
     pub fn write_end(&self, plant: &Plant, last: &Snapshot, m: &mut Metrics) {
         let (is_floating, v) = (plant.model.nb() == 6, &plant.state.v);
         m.final_base_angular_velocity = if is_floating { [v[3], v[4], v[5]] } else { [0.0; 3] };

@@ -1,6 +1,6 @@
 //! Measurements of a run: residual maxima, energy balance, milestones, samples and snapshots.
 //!
-//! Each type takes the plant (and what else it needs) as arguments and accumulates; none changes the motion.
+//! Each type reads the plant and accumulates; none changes the motion.
 //!
 //! Imports plant, contact (residuals) and the data types in `report`. Called by the steppers and by
 //! [`Simulation`](super::Simulation).

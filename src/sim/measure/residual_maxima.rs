@@ -1,8 +1,9 @@
 //! Running maxima and root mean squares of the residuals and the energy error over a run.
 //!
-//! Residuals are taken at the end of every step, after a new contact state is chosen at an event. The energy balance
-//! is taken at the start of the next step, from the state that it integrates. In a root mean square the length of the
-//! step that a value ends is its weight: `rms = sqrt(sum r_i^2 dt_i / sum dt_i)`.
+//! Residuals are evaluated at the end of every step, after a new contact state is chosen at an
+//! event. The energy balance is evaluated at the start of the next step, from the state that it
+//! integrates. In a root mean square each value is weighted by the length of the step it ends:
+//! `rms = sqrt(sum r_i^2 dt_i / sum dt_i)`.
 
 use super::energy_balance::EnergyBalance;
 use crate::contact::model::residual::{self, RESIDUALS};
@@ -10,7 +11,7 @@ use crate::contact::model::state::MAX_SOLES;
 use crate::sim::plant::Plant;
 use crate::sim::report::Metrics;
 
-/// A sole that carries less than this part of the robot's weight is unloaded: rounding of a solve.
+/// A sole that carries less than this fraction of the robot's weight is unloaded: solver rounding.
 const UNLOADED: f64 = 1e-9;
 
 /// A maximum and a time-weighted mean square.
@@ -21,7 +22,7 @@ struct RunningError {
 }
 
 impl RunningError {
-    fn take(&mut self, value: f64, dt: f64) {
+    fn add(&mut self, value: f64, dt: f64) {
         self.max = self.max.max(value);
         self.squares += value * value * dt;
     }
@@ -31,7 +32,8 @@ impl RunningError {
     }
 }
 
-/// Loading of a sole, to detect flicker: its force drops to zero and returns while its gap stays closed.
+/// Loading of a sole, to detect flicker: its force drops to zero and returns while its gap stays
+/// closed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Loading {
     /// The gap is open, or has been open since the sole was last loaded.
@@ -63,14 +65,14 @@ pub struct ResidualMaxima {
     contact: [Loading; MAX_SOLES],
     flickers: u64,
     lift: f64,
-    /// Times up to which residuals and energy have been taken, s.
+    /// Times up to which residuals and energy have been recorded, s.
     residual_time: f64,
     energy_time: f64,
 }
 
 impl ResidualMaxima {
-    /// Takes the residuals at the end of a step. `distance` is the tolerance d of closed gaps, m.
-    pub fn take_step(&mut self, plant: &mut Plant, distance: f64) {
+    /// Records the residuals at the end of a step. `distance` is the tolerance d of closed gaps, m.
+    pub fn record_step(&mut self, plant: &mut Plant, distance: f64) {
         let t = plant.state.time;
         let dt = t - std::mem::replace(&mut self.residual_time, t);
         if plant.problem.soles.is_empty() {
@@ -79,7 +81,7 @@ impl ResidualMaxima {
         plant.share_forces();
         let r = residual::evaluate(&plant.problem, &plant.states, &plant.solution);
         for (running, value) in self.residuals.iter_mut().zip(r.values()) {
-            running.take(value, dt);
+            running.add(value, dt);
         }
         self.lift = self.lift.max(r.lift);
         for (s, sole) in plant.problem.soles.iter().enumerate() {
@@ -92,10 +94,10 @@ impl ResidualMaxima {
         }
     }
 
-    /// Takes the error of the energy balance at time `t`, s.
-    pub fn take_energy_error(&mut self, t: f64, error: f64) {
+    /// Records the error of the energy balance at time `t`, s.
+    pub fn record_energy_error(&mut self, t: f64, error: f64) {
         let dt = t - std::mem::replace(&mut self.energy_time, t);
-        self.energy.take(error.abs(), dt);
+        self.energy.add(error.abs(), dt);
     }
 
     /// Writes maxima, root mean squares and the balance at the end into the metrics.
@@ -152,8 +154,8 @@ mod tests {
     #[test]
     fn mean_square_weights_values_by_their_time() {
         let mut running = RunningError::default();
-        running.take(3.0, 0.1);
-        running.take(1.0, 0.9);
+        running.add(3.0, 0.1);
+        running.add(1.0, 0.9);
         assert_eq!(running.max, 3.0);
         // sqrt(0.1 * 9 + 0.9 * 1)
         assert!((running.rms(1.0) - 1.8f64.sqrt()).abs() < 1e-15);

@@ -9,7 +9,7 @@ use crate::sim::actuation::joint_efforts;
 use crate::sim::plant::Plant;
 use crate::sim::report::{EstimateSnapshot, Snapshot, SoleSnapshot};
 use crate::sim::sensing::Estimator;
-use crate::task::{PointOfInterest, Sensed, TaskServer};
+use crate::task::{PointOfInterest, SensorReadings, TaskServer};
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::fmt::Write;
 
@@ -55,7 +55,7 @@ pub fn blank_estimate(model: &Model) -> EstimateSnapshot {
 }
 
 /// Fills an estimate from the readings and the estimator of the last tick.
-pub fn fill_estimate(estimator: &Estimator, readings: &Sensed, out: &mut EstimateSnapshot) {
+pub fn fill_estimate(estimator: &Estimator, readings: &SensorReadings, out: &mut EstimateSnapshot) {
     let state = &estimator.state;
     out.time = state.time;
     out.base_pose = Isometry3::from_parts(Translation3::from(state.position), state.rotation);
@@ -140,7 +140,7 @@ pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
 pub fn blank_points(tasks: &TaskServer) -> Vec<PointOfInterest> {
     let mut points: Vec<PointOfInterest> = Vec::new();
     for (name, _) in tasks.points() {
-        // Two tasks may have a point of one name.
+        // Points of two tasks may have the same name.
         let taken = |name: &str| points.iter().any(|point| point.name == name);
         let names = std::iter::once(name.to_owned()).chain((2..).map(|n| format!("{name}.{n}")));
         let free = names.into_iter().find(|name| !taken(name)).unwrap_or_default();

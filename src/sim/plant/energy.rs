@@ -39,10 +39,13 @@ impl Plant {
         ])
     }
 
-    /// EnergyFlows of a velocity-level step of size `dt` that changed the velocity by `dv`, and the work of its contact
-    /// impulses that is not friction's, J. Actuators and joints are taken with their implicit terms, everything works on
-    /// the mean of the velocities before and after: the sum is exactly the change of kinetic energy less that due to the
-    /// bias h. Needs the forces of all vertices, as impulses, and the state's velocity after the step.
+    /// Energy flows of a velocity-level step of size `dt` that changed the velocity by `dv`, and
+    /// the work of its contact impulses other than friction, J.
+    ///
+    /// Actuators and joints count with their implicit terms. All forces work on the mean of the
+    /// velocities before and after, so the sum is exactly the change of kinetic energy less that
+    /// due to the bias h. Needs the forces of all vertices, as impulses, and the state's velocity
+    /// after the step.
     pub fn step_flows(&self, dv: &[f64], dt: f64) -> (EnergyFlows, f64) {
         let nb = self.model.nb();
         let mean = |i: usize| self.state.v[i] - 0.5 * dv[i];

@@ -3,8 +3,8 @@
 /// Number of flows.
 pub const FLOWS: usize = 5;
 
-/// Work of actuators and of external forces, losses in joints, by contact friction and in the dampers of a
-/// compliant floor, since the start, J; or their powers, W.
+/// Work of actuators and of external forces, losses in joints, by contact friction and in the
+/// dampers of a compliant floor, since the start, J; or their powers, W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyFlows(pub [f64; FLOWS]);
 
@@ -15,7 +15,7 @@ impl EnergyFlows {
         actuators + external - joints - friction - dampers
     }
 
-    /// Adds energy from outside, J, to the work of external forces.
+    /// Adds external energy, J, to the work of external forces.
     pub fn add_external(&mut self, energy: f64) {
         self.0[1] += energy;
     }

@@ -1,4 +1,5 @@
-//! Friction of the vertices: each has that of the floor's region it is in, see [`VertexRegion`].
+//! Friction of the vertices: each has the friction of its region of the floor, see
+//! [`VertexRegion`].
 
 use super::Plant;
 use crate::sim::floor::friction_regions::RegionId;
@@ -24,18 +25,19 @@ impl Plant {
         self.floor.inside(vertex.region, &p) + vertex.widths * border_width(&p)
     }
 
-    /// Updates a vertex's friction; returns whether its region changed. An unclamped vertex has no history.
+    /// Updates a vertex's friction. Returns whether its region changed. An unclamped vertex has no
+    /// history.
     pub fn update_friction(&mut self, s: usize, i: usize) -> bool {
-        let held = self.states[s].clamps(i, self.problem.soles[s].vertices.len());
+        let clamped = self.states[s].clamps(i, self.problem.soles[s].vertices.len());
         let p = self.seen_from_above(s, i);
-        // An event ends where this is zero, up to rounding.
-        if held && self.border(s, i) > 0.25 * border_width(&p) {
+        // Event location ends where the border function is zero, up to rounding.
+        if clamped && self.border(s, i) > 0.25 * border_width(&p) {
             return false;
         }
         let region = self.floor.region(&p);
         let vertex = &mut self.regions[s][i];
         let changed = region != vertex.region;
-        if !held {
+        if !clamped {
             *vertex = VertexRegion::new(region);
         } else if changed {
             vertex.enter(region, self.state.time);
@@ -45,7 +47,7 @@ impl Plant {
         changed
     }
 
-    /// Gives every vertex the friction of its region and forgets its history. Needs the vertices.
+    /// Assigns every vertex the friction of its region and forgets its history. Needs the vertices.
     pub fn reset_friction(&mut self) {
         for s in 0..self.problem.soles.len() {
             for i in 0..self.problem.soles[s].vertices.len() {

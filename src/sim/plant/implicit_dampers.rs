@@ -1,12 +1,13 @@
-//! External dampers in velocity-level steps: drag and the dampers of springs act at the end of the step.
+//! External dampers in velocity-level steps: drag and the dampers of springs act at the end of the
+//! step.
 //!
 //! ```text
 //! f(v + dv) = f(v) - c J dv        (M + dt sum c J^T J) dv = dt (tau - h) + J_c^T w
 //! ```
 //!
-//! J is the Jacobian of the point at which a force f acts, c the damper's coefficient at the velocity v before
-//! the step, J_c^T w are the contact impulses. The term added to M is the mass matrix of points of mass `dt c`: a
-//! damper of any strength never reverses a motion within a step.
+//! J is the Jacobian of the point at which a force f acts, c the damper's coefficient at the
+//! velocity v before the step, J_c^T w are the contact impulses. The term added to M is the mass
+//! matrix of points of mass `dt c`, so a damper of any strength never reverses a motion in a step.
 
 use crate::dynamics::{DynamicsError, TreeMatrix, Workspace, crba, factor};
 use crate::force::{Damper, Force, ForceContext};
@@ -63,10 +64,6 @@ impl ImplicitDampers {
             crba::point_masses(ws, &self.points, &mut self.matrix);
             return factor::factorize_with(ws, &self.matrix, diagonal, prescribed);
         }
-        if prescribed.is_empty() {
-            factor::factorize_shifted(ws, diagonal)
-        } else {
-            factor::factorize_prescribed(ws, diagonal, prescribed)
-        }
+        factor::factorize_prescribed(ws, diagonal, prescribed)
     }
 }

@@ -5,12 +5,12 @@
 //! tau_k    = (M a + h - J^T w - passive - external)_k       efforts of the prescribed joints' drives
 //! ```
 //!
-//! This is a rheonomic constraint on the joint, by elimination: it adds no stiffness and works for links of any
-//! mass. Velocity jumps do not change the prescribed velocities; the drives hold them against
-//! `(M dv)_k - (J^T p)_k`, and the work of that is work of actuators, not of the impact.
+//! This is a rheonomic constraint on the joint, by elimination: it adds no stiffness and works for
+//! links of any mass. Velocity jumps do not change the prescribed velocities: the drives apply the
+//! impulse `(M dv)_k - (J^T p)_k`, whose work counts as work of actuators, not of the impact.
 //!
-//! A velocity-level step of size dt takes `a_k = ((q_k(t + dt) - q_k) / dt - qd_k) / dt`: the step ends at the prescribed
-//! position, and the velocity in the state is the mean of the step.
+//! A velocity-level step of size dt takes `a_k = ((q_k(t + dt) - q_k) / dt - qd_k) / dt`: the step
+//! ends at the prescribed position, and the velocity in the state is the mean of the step.
 
 use super::Plant;
 use crate::dynamics::reduced;
@@ -40,8 +40,8 @@ impl Plant {
         }
     }
 
-    /// Plans the paths of kinematic joints for a control tick of length `period` at the present time; the next
-    /// command comes at `next`.
+    /// Plans the paths of kinematic joints for a control tick of length `period` at the present
+    /// time; the next command comes at `next`.
     pub fn plan_paths(&mut self, period: f64, next: Option<f64>) {
         self.kinematic_paths.plan(&self.model, &self.command, &self.state, period, next);
         let nb = self.model.nb();
@@ -49,7 +49,8 @@ impl Plant {
         self.reduced.prescribed.extend(self.kinematic_paths.joints().iter().map(|j| nb + j));
     }
 
-    /// Prescribed acceleration of each kinematic joint at the present state, or over a step of size `dt`.
+    /// Prescribed acceleration of each kinematic joint at the present state, or over a step of size
+    /// `dt`.
     pub(super) fn prescribe_accelerations(&mut self, dt: Option<f64>) {
         let (nb, t) = (self.model.nb(), self.state.time);
         for &j in self.kinematic_paths.joints() {
@@ -63,8 +64,8 @@ impl Plant {
         }
     }
 
-    /// Writes to `self.scratch` the generalised force with the terms of the prescribed accelerations moved to the
-    /// right-hand side.
+    /// Writes to `self.scratch` the generalised force with the terms of the prescribed
+    /// accelerations moved to the right-hand side.
     pub(super) fn move_prescribed_to_right(&mut self) {
         let nb = self.model.nb();
         self.scratch.copy_from_slice(&self.tau);
@@ -79,7 +80,8 @@ impl Plant {
         }
     }
 
-    /// Efforts of the drives of kinematic joints at the accelerations and wrenches of the last evaluation.
+    /// Efforts of the drives of kinematic joints at the accelerations and wrenches of the last
+    /// evaluation.
     pub(super) fn drive_reactions(&mut self) {
         let nb = self.model.nb();
         self.ws.mass.multiply(&self.acceleration, &mut self.scratch);
@@ -91,8 +93,8 @@ impl Plant {
         }
     }
 
-    /// The same over a velocity-level step of size `dt` that changed the velocity by `dv`; the solution holds
-    /// impulses.
+    /// As `drive_reactions`, over a velocity-level step of size `dt` that changed the velocity by
+    /// `dv`; the solution holds impulses.
     pub fn drive_reactions_over_step(&mut self, dv: &[f64], dt: f64) {
         if self.kinematic_paths.joints().is_empty() {
             return;
@@ -113,7 +115,8 @@ impl Plant {
         }
     }
 
-    /// Sets kinematic joints to their prescribed positions at the step's end, equal to the last bit.
+    /// Sets kinematic joints to their prescribed positions at the step's end, equal to the last
+    /// bit.
     pub fn apply_prescribed_positions(&mut self) {
         for &j in self.kinematic_paths.joints() {
             self.state.joints[j] = self.kinematic_paths.at(j, self.state.time, self.within).q;
@@ -126,10 +129,10 @@ impl Plant {
             sum.add(impulses, 1.0);
         }
         let before = self.kinetic_energy();
-        let held = self.prescribed_momentum_work();
+        let work_before = self.prescribed_momentum_work();
         reduced::apply(&self.model, &self.ws, &mut self.reduced, impulses, &mut self.state.v);
         let change = self.kinetic_energy() - before;
-        let mut drives = self.prescribed_momentum_work() - held;
+        let mut drives = self.prescribed_momentum_work() - work_before;
         for &k in &self.reduced.prescribed {
             drives -= self.state.v[k] * self.contact_load(impulses, k);
         }

@@ -1,17 +1,18 @@
 //! The robot on its floor as a system of differential equations, contact states held fixed.
 //!
-//! [`Plant`] evaluates the right-hand side: kinematics, efforts, the reduced contact problem, wrenches and
-//! accelerations. The other files hold parts of it: the layout of the integrator's vector, implicit
-//! dampers, kinematic joints as constraints, sliding directions, friction regions of the vertices,
-//! impulses on the soles, energies and powers.
+//! [`Plant`] evaluates the right-hand side: kinematics, efforts, the reduced contact problem,
+//! wrenches and accelerations. The other files are parts of it: the layout of the integrator's
+//! vector, implicit dampers, kinematic joints as constraints, sliding directions, friction regions
+//! of the vertices, impulses on the soles, energies and powers.
 //!
-//! Imports actuation, floor, contact, dynamics and force. Called by every other room of sim; knows nothing of
-//! [`Simulation`](super::Simulation), tasks, observers and metrics.
+//! Imports actuation, floor, contact, dynamics and force. Called by every other module of sim;
+//! independent of [`Simulation`](super::Simulation), tasks, observers and metrics.
 
 mod carried_mass;
 pub mod energy;
 pub mod energy_flows;
 mod friction;
+mod friction_stiffness;
 pub mod implicit_dampers;
 pub mod kinematic_joints;
 mod parameters;

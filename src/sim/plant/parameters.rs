@@ -1,7 +1,7 @@
 //! Parameters that change while running.
 
 use super::Plant;
-use crate::force::Force;
+use crate::force::{Force, ForceError};
 use crate::robot::Model;
 use crate::sim::floor::Floor;
 use nalgebra::Vector3;
@@ -22,7 +22,7 @@ impl Plant {
     }
 
     /// Replaces force models, by number, and initialises the new ones.
-    pub fn replace_forces(&mut self, forces: impl Iterator<Item = (usize, Box<dyn Force>)>) -> Result<(), String> {
+    pub fn replace_forces(&mut self, forces: impl Iterator<Item = (usize, Box<dyn Force>)>) -> Result<(), ForceError> {
         for (i, mut force) in forces {
             let former: &dyn Any = &*self.forces[i];
             force.continue_from(former, self.state.time);

@@ -1,53 +1,70 @@
-//! Sliding directions, which friction opposes, held where a vertex is too slow for its direction to be known.
+//! Sliding directions, which friction opposes. They approach a reference while a vertex is too slow
+//! for its direction to be known.
 //!
 //! ```text
-//! u = t / |t|     for |t| > v_d,   -t / |t| where t opposes the reference (friction does not turn at zero speed)
-//! u = reference   for |t| <= v_d
+//! d = t / |t|,   -t / |t| where t opposes the reference r (friction does not turn at zero speed)
+//! u = d                                   for |t| >= v_d
+//! u = ((1 - s) r + s d) / |...|           for |t| < v_d,   s = x^2 (3 - 2 x),  x = |t| / v_d
 //! v_d = max(1e-7 m/s, sum over the speeds that move the sole of (absolute + relative |v_j|))
 //! ```
 //!
-//! with t the tangential velocity of the vertex and the tolerances of the integrator (`docs/contact.md`, section 7).
+//! with t the tangential velocity of the vertex and the tolerances of the integrator
+//! (`docs/contact.md`, section 7). u is continuous in t up to a reversal, which is an event: a jump
+//! at v_d would stop the error control of steps.
 
 use super::Plant;
+use nalgebra::Vector2;
 
-/// Speed below which a sliding vertex keeps its reference direction, m/s. Rounding (1e-16 m/s) turns the direction of a
-/// slower vertex by more than 1e-9 rad, while friction passes through such speeds within 1e-7 / (mu g), some 1e-8 s.
+/// Speed below which a sliding vertex keeps its reference direction, m/s. Rounding (1e-16 m/s)
+/// turns the direction of a slower vertex by more than 1e-9 rad, while friction passes through such
+/// speeds within 1e-7 / (mu g), some 1e-8 s.
 pub const DIRECTION_SPEED: f64 = 1e-7;
 
+/// Sliding direction of a vertex with tangential velocity `t`; the law of this module.
+pub(super) fn direction(t: &Vector2<f64>, reference: &Vector2<f64>, slow: f64) -> Vector2<f64> {
+    let speed = t.norm();
+    // A vertex without reference has no direction until it is fast enough.
+    if !(speed > 0.0) || speed < slow && *reference == Vector2::zeros() {
+        return *reference;
+    }
+    let own = if t.dot(reference) < 0.0 { -t / speed } else { t / speed };
+    if speed >= slow {
+        return own;
+    }
+    let x = speed / slow;
+    let s = x * x * (3.0 - 2.0 * x);
+    // At least 0.7 long: both are less than 90 degrees apart.
+    (reference * (1.0 - s) + own * s).normalize()
+}
+
 impl Plant {
-    /// Sets the sliding directions along the velocities. Where a vertex moves against its reference direction the
-    /// direction is continued through zero, so that the equations stay smooth until the event is located.
+    /// Sets the sliding directions along the velocities. Where a vertex moves against its reference
+    /// direction the direction is continued through zero, so that the equations stay smooth until
+    /// the event is located.
     ///
-    /// A method that does not locate its events holds the directions of its last choice: it could not stop in
-    /// time when a vertex comes to rest.
+    /// A method that does not locate its events holds the directions of its last choice: it could
+    /// not stop in time when a vertex comes to rest.
     pub fn update_directions(&mut self) {
         let held = !self.method.locates_events();
         for (s, references) in self.directions.iter().enumerate() {
             let slow = self.direction_speed(s);
             for (v, reference) in self.problem.soles[s].vertices.iter_mut().zip(references) {
-                let t = v.velocity.xy();
-                let speed = t.norm();
-                v.direction = if held || speed <= slow {
-                    *reference
-                } else if t.dot(reference) < 0.0 {
-                    -t / speed
-                } else {
-                    t / speed
-                };
+                v.direction = if held { *reference } else { direction(&v.velocity.xy(), reference, slow) };
             }
         }
     }
 
-    /// Speed of a sole's sliding vertex, m/s, up to which its direction is held. It is at least the error that a step
-    /// may make in the speeds that move the sole (levers of a metre), or the direction would be that of the error.
+    /// Speed of a sole's sliding vertex, m/s, up to which its direction depends on the reference.
+    /// It is at least the error that a step may make in the speeds that move the sole (levers of a
+    /// metre). Below that the direction would be that of the error.
     pub fn direction_speed(&self, sole: usize) -> f64 {
         let (absolute, relative) = self.step_error;
         let moving = self.ws.support(self.model.soles[sole].link);
         DIRECTION_SPEED.max(moving.iter().map(|&i| absolute + relative * self.state.v[i].abs()).sum())
     }
 
-    /// Makes the present sliding directions the references of the step that begins. A direction that opposes its
-    /// reference is an event and stays unchanged.
+    /// Makes the present sliding directions the references of the step that begins. A direction
+    /// that opposes its reference is an event and stays unchanged.
     pub fn update_reference_directions(&mut self) {
         if !self.method.locates_events() {
             return;

@@ -4,8 +4,9 @@
 //! p_s = sum over steps of h (f_s(t) + f_s(t + h)) / 2 + impulses at instants
 //! ```
 //!
-//! of second order in the step. The force at the start of a step is that after any jump there: the mean of two
-//! readings would miss every jump of the commands. Velocity-level steps know their impulse.
+//! of second order in the step. The force at the start of a step is that after any jump there; the
+//! mean of two readings would miss jumps of the commands. Velocity-level steps compute their
+//! impulse directly.
 
 use nalgebra::Vector3;
 
@@ -19,7 +20,7 @@ pub struct SoleImpulses {
 }
 
 impl SoleImpulses {
-    /// For a number of soles.
+    /// Zero impulses on a number of soles.
     pub fn new(soles: usize) -> Self {
         SoleImpulses { sum: vec![Vector3::zeros(); soles], step_start: vec![Vector3::zeros(); soles] }
     }

@@ -1,13 +1,14 @@
-//! Layout of the integrator's vector: position 3, quaternion 4 (i, j, k, w), joints, velocities, lagging actuators,
-//! energy flows.
+//! Layout of the integrator's vector: position 3, quaternion 4 (i, j, k, w), joints, velocities,
+//! lagging actuators, energy flows.
 //!
-//! The quaternion is integrated as four numbers, `q' = 1/2 (omega, 0) q`, and normalised after every step. The
-//! energy flows ([`EnergyFlows`]) are not under error control.
+//! The quaternion is integrated as four numbers, `q' = 1/2 (omega, 0) q`, and normalised after
+//! every step. The energy flows ([`EnergyFlows`]) are not under error control.
 
 use super::energy_flows::{EnergyFlows, FLOWS};
 use crate::dynamics::State;
 use crate::robot::Model;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use std::ops::Range;
 
 /// Offsets into the vector.
 #[derive(Clone, Copy, Debug)]
@@ -62,8 +63,8 @@ impl StateLayout {
         y[self.controlled()..].copy_from_slice(&flows.0);
     }
 
-    /// Writes the derivative from velocities `v`, accelerations and powers; the entries of
-    /// [`StateLayout::actuators`] are left to the caller.
+    /// Writes the derivative from velocities `v`, accelerations and powers. The caller fills the
+    /// entries of [`StateLayout::actuators`].
     pub fn derivative(&self, y: &[f64], v: &[f64], acceleration: &[f64], powers: &EnergyFlows, dy: &mut [f64]) {
         dy[..7].fill(0.0);
         if self.nb == 6 {
@@ -75,6 +76,11 @@ impl StateLayout {
         dy[7..7 + self.nj].copy_from_slice(&v[self.nb..]);
         dy[7 + self.nj..7 + self.nj + self.nv].copy_from_slice(acceleration);
         dy[self.controlled()..].copy_from_slice(&powers.0);
+    }
+
+    /// The entries of velocities.
+    pub fn velocities(&self) -> Range<usize> {
+        7 + self.nj..7 + self.nj + self.nv
     }
 
     /// The entries of lagging actuators.

@@ -4,8 +4,9 @@
 //! M(q) vdot + h(q, v) = tau + J^T w        w = the contact method's solution for (W, a0)
 //! ```
 //!
-//! One evaluation: kinematics, bias h, mass matrix and its factor, efforts tau, the reduced problem, wrenches,
-//! accelerations. Every candidate state is judged with W and a0 alone (`docs/contact.md`, section 2).
+//! One evaluation: kinematics, bias h, mass matrix and its factor, efforts tau, the reduced
+//! problem, wrenches, accelerations. Every candidate state is judged with W and a0 only
+//! (`docs/contact.md`, section 2).
 
 use super::implicit_dampers::ImplicitDampers;
 use super::sole_impulses::SoleImpulses;
@@ -16,7 +17,7 @@ use crate::contact::model::solution::Solution;
 use crate::contact::model::state::States;
 use crate::contact::search::candidate::share_static;
 use crate::dynamics::{DynamicsError, State, Workspace, crba, kinematics, reduced, rnea};
-use crate::force::{AppliedForces, Force, ForceContext, ReportEvent};
+use crate::force::{AppliedForces, Force, ForceContext, ForceError, ReportEvent};
 use crate::integrate::System;
 use crate::robot::{LinkId, Model, RigidInertia, SoleId};
 use crate::sim::actuation::drives::Drives;
@@ -45,8 +46,8 @@ pub struct PlantSetup {
     pub command: Command,
     /// Speed below which a sliding vertex is at rest, m/s.
     pub rest: f64,
-    /// Error that a step may make in a speed: absolute, m/s, and relative. Zero without located events: then every step
-    /// decides which vertices rest.
+    /// Error that a step may make in a speed: absolute, m/s, and relative. Zero without located
+    /// events, when every step decides which vertices rest.
     pub step_error: (f64, f64),
 }
 
@@ -68,7 +69,7 @@ pub struct Plant {
     pub stops: Option<Vec<JointStop>>,
     /// State of the last evaluation.
     pub state: State,
-    /// The state that the kinematics in `ws` belong to.
+    /// The state of the kinematics in `ws`.
     pub(super) kinematics_state: State,
     /// Dynamics at that state.
     pub ws: Workspace,
@@ -106,9 +107,9 @@ pub struct Plant {
     pub acceleration: Vec<f64>,
     /// Implicit terms of a velocity-level step on the diagonal of M; zero in continuous time.
     pub(super) implicit_diagonal: Vec<f64>,
-    /// Those of friction and stops of the joints, by joint.
+    /// Implicit terms of friction and stops of the joints, by joint.
     pub(super) implicit_passive: Vec<f64>,
-    /// Those of external forces, nv.
+    /// Implicit terms of external forces, nv.
     pub(super) implicit_external: Vec<f64>,
     /// Dampers between points, which add to all of M.
     pub(super) dampers: ImplicitDampers,
@@ -121,7 +122,8 @@ pub struct Plant {
     pub(super) scratch: Vec<f64>,
     /// Evaluations so far.
     pub evaluations: u64,
-    /// Why the last evaluation failed: M could not be factorised and the accelerations are not a number.
+    /// Why the last evaluation failed: M could not be factorised and the accelerations are not a
+    /// number.
     pub failure: Option<DynamicsError>,
 }
 
@@ -186,7 +188,8 @@ impl Plant {
         self.dampers.reserve(number);
     }
 
-    /// Everything at `self.state` that does not depend on contact: tau, M and its factor, W, a0, the vertices.
+    /// Evaluates all that does not depend on contact at `self.state`: tau, M and its factor, W, a0,
+    /// the vertices.
     pub fn evaluate_free(&mut self) {
         self.evaluations += 1;
         self.update_kinematics();
@@ -196,24 +199,25 @@ impl Plant {
         self.finish_free();
     }
 
-    /// As [`evaluate_free`](Self::evaluate_free) for a velocity-level step of size `dt`. Servo, friction and stops
-    /// act at the end of the step, which adds `dt (kd + d) + dt^2 kp` to the diagonal of M.
+    /// As [`evaluate_free`](Self::evaluate_free) for a velocity-level step of size `dt`. Servo,
+    /// friction and stops act at the end of the step, which adds `dt (kd + d) + dt^2 kp` to the
+    /// diagonal of M.
     pub fn evaluate_implicit(&mut self, dt: f64) {
         self.evaluations += 1;
         self.update_kinematics();
         self.drives.begin_step();
-        self.pose_implicit(dt);
+        self.evaluate_implicit_terms(dt);
         let nb = self.model.nb();
         let (rates, free) = (&self.state.v[nb..], &self.reduced.free[nb..]);
         // Both are evaluated: each marks joints.
         if self.drives.mark_entering_speed_band(&self.model, rates, free, dt)
             | self.drives.mark_saturated(&self.model, free)
         {
-            self.pose_implicit(dt);
+            self.evaluate_implicit_terms(dt);
         }
     }
 
-    fn pose_implicit(&mut self, dt: f64) {
+    fn evaluate_implicit_terms(&mut self, dt: f64) {
         self.efforts(Some(dt));
         let nb = self.model.nb();
         let diagonal = &mut self.implicit_diagonal;
@@ -228,8 +232,8 @@ impl Plant {
         self.finish_free();
     }
 
-    /// Updates the kinematics to `self.state`, unless they belong to it already: a fixed step begins where the last
-    /// one ended.
+    /// Updates the kinematics to `self.state`, unless they belong to it already: a fixed step
+    /// begins where the last one ended.
     pub fn update_kinematics(&mut self) {
         let (state, at) = (&self.state, &mut self.kinematics_state);
         at.time = state.time;
@@ -239,7 +243,7 @@ impl Plant {
         }
     }
 
-    /// The links have changed: the next update computes the kinematics anew.
+    /// Makes the next update recompute the kinematics, after a change of the links.
     pub(super) fn invalidate_kinematics(&mut self) {
         self.kinematics_state.position.x = f64::NAN;
     }
@@ -253,8 +257,9 @@ impl Plant {
         kinematics::update(&self.model, &self.state, &mut self.ws);
     }
 
-    /// Fills tau with actuators, passive joint efforts and external forces. With a step size the position servo
-    /// is referred to the position that the present velocity leads to, as the implicit step requires.
+    /// Fills tau with actuators, passive joint efforts and external forces. With a step size the
+    /// position servo is referred to the position that the present velocity leads to, as the
+    /// implicit step requires.
     fn efforts(&mut self, dt: Option<f64>) {
         let nb = self.model.nb();
         let (joints, rates) = (&self.state.joints, &self.state.v[nb..]);
@@ -297,19 +302,19 @@ impl Plant {
     }
 
     /// Calls every force model's `init` at the present state.
-    pub fn init_forces(&mut self) -> Result<(), String> {
+    pub fn init_forces(&mut self) -> Result<(), ForceError> {
         (0..self.forces.len()).try_for_each(|i| self.init_force(i))
     }
 
     /// Adds a force model and reserves memory for its forces.
-    pub fn add_force(&mut self, force: Box<dyn Force>) -> Result<(), String> {
+    pub fn add_force(&mut self, force: Box<dyn Force>) -> Result<(), ForceError> {
         self.forces.push(force);
         self.reserve_forces();
         self.init_force(self.forces.len() - 1)
     }
 
     /// Calls `init` of one force model at the present state, whose kinematics it updates.
-    pub(super) fn init_force(&mut self, i: usize) -> Result<(), String> {
+    pub(super) fn init_force(&mut self, i: usize) -> Result<(), ForceError> {
         self.update_kinematics();
         let context = ForceContext {
             model: &self.model,
@@ -319,7 +324,7 @@ impl Plant {
             time: self.state.time,
             within: self.within,
         };
-        self.forces[i].init(&context).map_err(|e| e.to_string())
+        self.forces[i].init(&context)
     }
 
     /// Calls every force model's `pass` at the present state, whose kinematics it updates.
@@ -331,14 +336,14 @@ impl Plant {
             kinematics: &self.ws,
             gravity: self.gravity,
             time: self.state.time,
-            // The piece that begins here.
+            // Selects the smooth piece that begins here.
             within: self.state.time,
         };
-        self.forces.iter_mut().for_each(|force| force.pass(&context, report));
+        self.forces.iter_mut().for_each(|force| force.on_corner(&context, report));
     }
 
     fn finish_free(&mut self) {
-        rnea::bias(&self.model, &mut self.ws, &self.gravity);
+        rnea::bias(&mut self.ws, &self.gravity);
         crba::mass_matrix(&self.model, &mut self.ws);
         let prescribed = &self.reduced.prescribed;
         self.failure = self.dampers.factorize(&mut self.ws, &self.implicit_diagonal, prescribed).err();
@@ -399,7 +404,8 @@ impl Plant {
         self.method.scheme() == Scheme::Compliant
     }
 
-    /// Energy stored in the springs of a compliant method, and their power, at the state of the last evaluation or refresh.
+    /// Energy stored in the springs of a compliant method, and their power, at the state of the
+    /// last evaluation or refresh.
     pub fn stored(&self) -> StoredEnergy {
         self.method.stored(&self.problem)
     }
@@ -447,7 +453,7 @@ impl System for Plant {
             .iter_mut()
             .zip(self.drives.lag_rates(&self.model, &self.state.actuators))
             .for_each(|(rate, lag)| *rate = lag);
-        // The motion of these is prescribed, not integrated.
+        // The motion of kinematic joints is prescribed, not integrated.
         self.kinematic_paths.joints().iter().for_each(|j| layout.hold(*j, dy));
     }
 }

@@ -25,13 +25,13 @@ impl RunState {
     }
 
     fn attach(&mut self, i: usize, observer: &mut dyn Observer) -> Result<(), RunError> {
-        let (object, whole) = self.carried.set_held(i, true);
+        let (object, total) = self.carried.set_held(i, true);
         let Some(velocity) = object.velocity else {
-            let change = self.plant.replace_inertia(object.link, &whole);
+            let change = self.plant.replace_inertia(object.link, &total);
             self.add_object_energy(change);
             return self.event(observer, EventKind::Object, &object.name, &format!("{} kg taken", object.body.mass));
         };
-        let caught = self.plant.catch(object.link, &object.body, &velocity, &whole);
+        let caught = self.plant.catch(object.link, &object.body, &velocity, &total);
         let caught = caught.map_err(|e| diverged(&self.plant, &e.to_string()))?;
         self.add_object_energy(caught.brought);
         self.energy.add_jump(JumpWork { contact: -caught.lost, drives: caught.drives });
@@ -41,19 +41,20 @@ impl RunState {
     }
 
     fn release(&mut self, i: usize, observer: &mut dyn Observer) -> Result<(), RunError> {
-        let (object, whole) = self.carried.set_held(i, false);
-        let change = self.plant.replace_inertia(object.link, &whole);
+        let (object, total) = self.carried.set_held(i, false);
+        let change = self.plant.replace_inertia(object.link, &total);
         self.add_object_energy(change);
         self.event(observer, EventKind::Object, &object.name, &format!("{} kg released", object.body.mass))
     }
 
-    /// Adds the energy of an object to the balance. Objects held from the start belong to the initial energy.
+    /// Adds the energy of an object to the balance. Objects held from the start belong to the
+    /// initial energy.
     fn add_object_energy(&mut self, energy: f64) {
         self.milestones.restart(false);
         if self.started { self.energy.flows.add_external(energy) } else { self.energy.start += energy }
     }
 
-    /// Velocities have jumped: applies the impulse of the floor at the same instant.
+    /// Applies the impulse of the floor after a jump of the velocities, at the same instant.
     fn floor_impulse(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         let touches = self.plant.states.0.iter().any(|s| *s != SoleState::FREE);
         // Springs respond in time; a velocity-level step contains the impulses of its instant.

@@ -5,11 +5,28 @@ use crate::sim::event_kind::EventKind;
 use crate::sim::measure::snapshot;
 use crate::sim::report::{Observer, SimEvent};
 use crate::sim::run_error::RunError;
-use crate::task::Needs;
 use crate::task::server::TickInput;
+use crate::task::{Needs, TaskServer};
+
+/// Runs the tasks of a tick and reports their events.
+pub(in crate::sim) fn run_tasks(
+    tasks: &mut TaskServer,
+    input: &TickInput,
+    observer: &mut dyn Observer,
+) -> Result<(), RunError> {
+    let time = input.state.time;
+    let mut failure = None;
+    let result = tasks.run(input, |change, name| {
+        let message = format!("task {name} {change}");
+        let event = SimEvent { time, kind: EventKind::Task, subject: name.to_string(), message };
+        failure = observer.event(&event).err().or(failure.take());
+    });
+    failure.map_or(result.map_err(RunError::internal), |e| Err(RunError::internal(e)))
+}
 
 impl RunState {
-    /// Runs a control tick: reads the sensors, computes joint commands, and passes them to the plant.
+    /// Runs a control tick: reads the sensors, computes joint commands, and passes them to the
+    /// plant.
     pub(in crate::sim) fn control_tick(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         let time = self.plant.state.time;
         let external = self.command_source.is_some();
@@ -41,22 +58,15 @@ impl RunState {
     }
 
     fn run_tasks(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
-        let time = self.plant.state.time;
         let plant = &self.plant;
-        let situation = TickInput {
+        let input = TickInput {
             model: &plant.model,
             gravity: plant.gravity,
             floor: plant.floor.plane(),
             state: &self.estimator.state,
             sensed: &self.sensors.readings,
         };
-        let mut failure = None;
-        let ran = self.tasks.run(&situation, |change, name| {
-            let message = format!("task {name} {change}");
-            let event = SimEvent { time, kind: EventKind::Task, subject: name.to_string(), message };
-            failure = observer.event(&event).err().or(failure.take());
-        });
-        failure.map_or(ran.map_err(|e| e.to_string()), Err).map_err(RunError::internal)
+        run_tasks(&mut self.tasks, &input, observer)
     }
 
     /// Records the estimate for the log, and its error.

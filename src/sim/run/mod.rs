@@ -1,9 +1,10 @@
-//! A run apart from its stepper: control ticks, scenario events, carried objects, self-collision.
+//! A run without its stepper: control ticks, scenario events, carried objects, self-collision.
 //!
-//! [`RunState`] holds plant, tasks, sensors and measurements; the other files act on it between steps.
+//! [`RunState`] contains plant, tasks, sensors and measurements; the other files act on it between
+//! steps.
 //!
-//! Imports every room of sim but `contact_states` and `stepper`, which work on [`RunState`]. Called by
-//! [`Simulation`](super::Simulation).
+//! Imports every module of sim except `contact_states` and `stepper`, which work on [`RunState`].
+//! Called by [`Simulation`](super::Simulation).
 
 mod carried_objects;
 mod control_tick;
@@ -11,4 +12,5 @@ mod scenario_events;
 mod self_collision;
 mod state;
 
+pub(in crate::sim) use control_tick::run_tasks;
 pub use state::RunState;

@@ -6,7 +6,7 @@ use crate::sim::report::{Observer, SimEvent};
 use crate::sim::run_error::RunError;
 
 impl RunState {
-    /// Passes the tasks' commands to the plant, made safe from self-collision where configured.
+    /// Passes the tasks' commands to the plant, after self-collision avoidance if configured.
     pub(in crate::sim) fn pass_command(&mut self) {
         self.plant.command.copy_from(&self.tasks.command);
         if let Some(monitor) = &mut self.self_collision {
@@ -26,6 +26,6 @@ impl RunState {
             let event = SimEvent { time: state.time, kind: EventKind::SelfCollision, subject, message };
             failure = failure.take().or(observer.event(&event).err());
         });
-        failure.map_or(Ok(()), |m| Err(RunError::internal(m)))
+        failure.map_or(Ok(()), |e| Err(RunError::internal(e)))
     }
 }

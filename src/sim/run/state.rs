@@ -1,6 +1,7 @@
-//! State of a run apart from its stepper: plant, contact choice, tasks, sensors and measurements.
+//! State of a run without its stepper: plant, contact choice, tasks, sensors and measurements.
 //!
-//! Steppers and contact states work on this; [`Simulation`](crate::sim::Simulation) owns it together with a stepper.
+//! Steppers and contact states work on this; [`Simulation`](crate::sim::Simulation) owns it
+//! together with a stepper.
 
 use crate::contact::model::problem::Tolerances;
 use crate::contact::model::solution::Solution;
@@ -13,7 +14,7 @@ use crate::sim::measure::energy_balance::EnergyAccount;
 use crate::sim::measure::milestones::Milestones;
 use crate::sim::measure::residual_maxima::ResidualMaxima;
 use crate::sim::measure::sampler::Sampler;
-use crate::sim::measure::snapshot::SnapshotLog;
+use crate::sim::measure::snapshot::{self, SnapshotLog};
 use crate::sim::plant::Plant;
 use crate::sim::report::{Metrics, Observer, SimEvent, Snapshot};
 use crate::sim::run_error::RunError;
@@ -26,7 +27,7 @@ use crate::sim::termination::StallGuard;
 use crate::task::TaskServer;
 use nalgebra::Vector3;
 
-/// Everything of a run but its stepper.
+/// State of a run without its stepper.
 pub struct RunState {
     /// The robot on its floor.
     pub plant: Plant,
@@ -54,19 +55,20 @@ pub struct RunState {
     pub residuals: ResidualMaxima,
     /// Instants for the summary.
     pub milestones: Milestones,
-    /// Soles that the last event put at the limit of their load.
+    /// Soles that the last event brought to the limit of their load.
     pub suspect: [u8; MAX_SOLES],
-    /// Positions of the vertices of each clamped sole when it was clamped, relative to the floor point, floor axes.
+    /// Positions of the vertices of each clamped sole when it was clamped, relative to the floor
+    /// point, floor axes.
     pub anchors: Vec<Vec<Vector3<f64>>>,
     /// Scratch of projections and impulses.
     pub projection: Solution,
     /// Scratch of velocity changes and displacements, nv.
     pub displacement: Vec<f64>,
     /// The contact problem of the present selection, for an observer of problems.
-    pub posed_problem: Option<Box<SelectionRecord>>,
+    pub recorded_problem: Option<Box<SelectionRecord>>,
     /// Snapshots for the observer.
     pub log: SnapshotLog,
-    /// Sampler at a constant rate, if the observer takes samples.
+    /// Sampler at a constant rate, if the observer receives samples.
     pub sampler: Option<Box<Sampler>>,
     /// Have the first contact states been chosen?
     pub started: bool,
@@ -74,9 +76,9 @@ pub struct RunState {
     pub velocity_level: bool,
     /// Instants at which a step must end, s, ascending.
     pub corners: Vec<f64>,
-    /// Events of the scenario, and the number of those done.
+    /// Events of the scenario.
     pub events: Vec<ScenarioEvent>,
-    /// Number of events done.
+    /// Number of events applied.
     pub events_done: usize,
     /// States saved by events.
     pub saved: Vec<SavedState>,
@@ -84,7 +86,7 @@ pub struct RunState {
     pub duration: f64,
     /// Height of the base above the floor below which the robot has fallen, m.
     pub fallen_below: Option<f64>,
-    /// Counts events.
+    /// Detects a stalled run.
     pub stall_guard: StallGuard,
 }
 
@@ -119,14 +121,15 @@ impl RunState {
 
     /// Measures the end of a step.
     pub fn measure_step(&mut self) {
-        self.milestones.take_step(&self.plant, &mut self.metrics);
-        self.residuals.take_step(&mut self.plant, self.tolerances.distance);
+        self.milestones.record_step(&self.plant, &mut self.metrics);
+        self.residuals.record_step(&mut self.plant, self.tolerances.distance);
     }
 
-    /// Measures the error of the energy balance at the plant's present state, which must be evaluated.
+    /// Measures the error of the energy balance at the plant's present state, which must be
+    /// evaluated.
     pub fn measure_energy(&mut self) {
         let error = self.energy.balance(&self.plant).error();
-        self.residuals.take_energy_error(self.plant.state.time, error);
+        self.residuals.record_energy_error(self.plant.state.time, error);
     }
 
     /// Time of the next sample before the end, s.
@@ -142,7 +145,7 @@ impl RunState {
     /// Emits a snapshot of the plant's present state; needs an evaluation at it.
     pub fn emit_snapshot(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         if !self.log.begin(self.plant.state.time) {
-            // A fixed step that ends the run, or spans several instants of the log, is one instant.
+            // A fixed step that ends the run, or spans several instants of the log, is logged once.
             return Ok(());
         }
         let mut snapshot = std::mem::take(&mut self.log.snapshot);
@@ -159,14 +162,14 @@ impl RunState {
         Ok(())
     }
 
-    /// Emits the last instant of a run of velocity-level steps, with the forces of the last of them.
+    /// Emits the last instant of a run of velocity-level steps, with the forces of the last step.
     pub fn emit_last_step(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         if self.velocity_level { self.emit_due_snapshots(self.plant.state.time, observer) } else { Ok(()) }
     }
 
     /// Fills a snapshot with the plant's last evaluation and the tasks' points.
     pub fn fill_snapshot(&mut self, out: &mut Snapshot) {
-        crate::sim::measure::snapshot::fill(&mut self.plant, &mut self.log.edges, out);
+        snapshot::fill(&mut self.plant, &mut self.log.edges, out);
         out.energy = self.energy.balance(&self.plant);
         for (to, (_, position)) in out.points.iter_mut().zip(self.tasks.points()) {
             to.position = position;

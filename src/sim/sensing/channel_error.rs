@@ -54,7 +54,8 @@ impl ChannelError {
         *self == ChannelError::default()
     }
 
-    /// Adds bias and noise to delayed values and rounds them. Draws from the stream only if there is noise.
+    /// Adds bias and noise to delayed values and rounds them. Draws from the stream only if there
+    /// is noise.
     pub(super) fn apply(&self, values: &mut [f64], stream: &mut Stream) {
         for x in values {
             *x += self.bias;

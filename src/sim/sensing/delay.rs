@@ -6,7 +6,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 pub(super) struct Delay {
     delay: f64,
     channels: usize,
-    /// Times of the readings kept; the newest at `head`.
+    /// Times of the stored readings; the newest at `head`.
     times: Vec<f64>,
     /// Their values, a row of channels each.
     values: Vec<f64>,
@@ -14,19 +14,19 @@ pub(super) struct Delay {
     filled: usize,
 }
 
-/// A part of the period by which ticks may come early.
+/// Fraction of the period by which ticks may be early.
 const EARLY: f64 = 1e-6;
 
 impl Delay {
     /// For readings every `period` seconds or less often.
     pub fn new(channels: usize, delay: f64, period: f64) -> Self {
         // The two readings around the delayed instant, and all newer ones.
-        let kept = if delay > 0.0 { (delay / (period * (1.0 - EARLY))).ceil() as usize + 2 } else { 0 };
-        Delay { delay, channels, times: vec![0.0; kept], values: vec![0.0; kept * channels], head: 0, filled: 0 }
+        let rows = if delay > 0.0 { (delay / (period * (1.0 - EARLY))).ceil() as usize + 2 } else { 0 };
+        Delay { delay, channels, times: vec![0.0; rows], values: vec![0.0; rows * channels], head: 0, filled: 0 }
     }
 
-    /// Stores the present readings and replaces them by those `delay` ago, interpolated linearly; before the start
-    /// by the first ones.
+    /// Stores the present readings and replaces them by those `delay` ago, interpolated linearly;
+    /// before the start by the first ones.
     pub fn apply(&mut self, now: f64, readings: &mut [f64]) {
         let Some((newer, older, part)) = self.store(now, readings) else { return };
         let (newer, older) = (&self.values[newer * self.channels..], &self.values[older * self.channels..]);
@@ -46,18 +46,19 @@ impl Delay {
         *rotation = at(older).slerp(&at(newer), part);
     }
 
-    /// Rows of the readings after and before the instant `delay` ago, and where between them it lies; none without delay.
+    /// Stores readings. Returns the rows after and before the instant `delay` ago and its position
+    /// between them, 0 to 1; none without delay.
     fn store(&mut self, now: f64, readings: &[f64]) -> Option<(usize, usize, f64)> {
-        let kept = self.times.len();
-        if kept == 0 {
+        let rows = self.times.len();
+        if rows == 0 {
             return None;
         }
-        self.head = (self.head + 1) % kept;
-        self.filled = (self.filled + 1).min(kept);
+        self.head = (self.head + 1) % rows;
+        self.filled = (self.filled + 1).min(rows);
         self.times[self.head] = now;
         self.values[self.head * self.channels..][..self.channels].copy_from_slice(readings);
         let instant = now - self.delay;
-        let row = |back: usize| (self.head + kept - back) % kept;
+        let row = |back: usize| (self.head + rows - back) % rows;
         for back in 1..self.filled {
             let (newer, older) = (row(back - 1), row(back));
             if self.times[older] <= instant {

@@ -1,18 +1,18 @@
 //! Sole forces as a force-torque sensor reads them.
 //!
-//! A sensor with a frame (origin o, orientation R) on the sole's link reads the floor's force F and its moment about
-//! o in its own axes; c is the mean of the sole's vertices, M the moment about it:
+//! A sensor with a frame (origin o, orientation R) on the sole's link reads the floor's force F and
+//! its moment about o in its own axes; c is the mean of the sole's vertices, M the moment about it:
 //!
 //! ```text
 //! f = R^T F        m = R^T M + R^T (c - o) x f
 //! ```
 //!
-//! Its errors are errors of f and m. F and M are recovered with the orientation of the frame from the sensed IMU and
-//! joints; `R^T (c - o)` is a constant of the link.
+//! Sensor errors apply to f and m. F and M are recovered with the orientation of the frame from the
+//! sensed IMU and joints; `R^T (c - o)` is a constant of the link.
 
 use crate::dynamics::chain;
 use crate::robot::{Model, Mount, Sole};
-use crate::task::sensed::SoleLoad;
+use crate::task::sensor_readings::SoleLoad;
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// A part of the reading of a sole's sensor.
@@ -41,12 +41,11 @@ pub(super) struct ForceSensor {
 }
 
 impl ForceSensor {
-    /// The first sensor on the sole's link. Without one the sole is read in world axes about the mean of its
-    /// vertices.
+    /// The first sensor on the sole's link. Without one the load is measured in world axes about
+    /// the mean of the vertices.
     pub fn of_sole(model: &Model, sole: &Sole) -> Option<Self> {
         let mount = model.sensors.force.iter().find(|f| f.mount.link == sole.link)?.mount;
-        let centroid = sole.vertices.iter().sum::<Vector3<f64>>() / sole.vertices.len() as f64;
-        let lever = mount.pose.rotation.inverse() * (centroid - mount.pose.translation.vector);
+        let lever = mount.pose.rotation.inverse() * (sole.centroid() - mount.pose.translation.vector);
         Some(ForceSensor { mount, lever })
     }
 

@@ -33,7 +33,8 @@ impl Imu {
         }
     }
 
-    /// Motion of the base from that of the unit, `frame`, and the joints of `state`, whose base is not read.
+    /// Motion of the base from that of the unit, `frame`, and the joints of `state`; the base of
+    /// `state` is not used.
     pub fn base(&self, model: &Model, state: &State, frame: &FrameMotion) -> FrameMotion {
         match &self.0 {
             None => *frame,

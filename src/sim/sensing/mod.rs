@@ -1,9 +1,10 @@
 //! Sensors with bias, noise, resolution and delay, and estimators of the base's motion.
 //!
-//! [`Sensors`] reads the plant at every control tick; [`Estimator`] turns the readings into the state that
-//! tasks receive.
+//! [`Sensors`] reads the plant at every control tick; [`Estimator`] turns the readings into the
+//! state that tasks receive.
 //!
-//! Imports plant, robot, dynamics, random and task (the type of the readings). Called by the control tick.
+//! Imports plant, robot, dynamics, random and task (the type of the readings). Called by the
+//! control tick.
 
 pub mod channel_error;
 mod delay;

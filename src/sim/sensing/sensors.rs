@@ -6,12 +6,14 @@
 //! y_k = round_r( x(t_k - delay) + bias + sigma n_k )        n_k standard normal, white
 //! ```
 //!
-//! with `round_r` to whole multiples of the resolution r. Between ticks x is interpolated linearly; before the start
-//! it is constant. A measured orientation is `R(t_k - delay) exp(bias + sigma n_k)`, the exponential in the axes of
-//! the IMU, whose frame is on a link (see [`Imu`]).
+//! with `round_r` to whole multiples of the resolution r. Between ticks x is interpolated linearly;
+//! before the start it is constant. A measured orientation is
+//! `R(t_k - delay) exp(bias + sigma n_k)`, the exponential in the axes of the IMU, whose frame is
+//! on a link (see [`Imu`]).
 //!
-//! The gyroscope reads the angular velocity in the IMU's axes at the tick. The accelerometer reads the mean specific
-//! force since the last tick, as units that output velocity increments do, so that it includes impacts:
+//! The gyroscope reads the angular velocity in the IMU's axes at the tick. The accelerometer reads
+//! the mean specific force since the last tick, as units that output velocity increments do. It
+//! therefore includes impacts:
 //!
 //! ```text
 //! f_k = R_mid^T ((v_k - v_{k-1}) / T - g)        R_mid half way between the orientations at the two ticks
@@ -27,7 +29,7 @@ use super::true_readings;
 use crate::dynamics::chain::FrameMotion;
 use crate::random::Stream;
 use crate::sim::plant::Plant;
-use crate::task::Sensed;
+use crate::task::SensorReadings;
 use crate::task::augmented::LIGHT;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -36,7 +38,7 @@ pub struct Sensors {
     /// Errors of the sensors; none: all readings are exact.
     errors: Option<Box<ErrorModel>>,
     /// Readings of the last tick.
-    pub readings: Sensed,
+    pub readings: SensorReadings,
     imu: Imu,
     /// Time, velocity of the IMU's origin and its orientation at the last tick.
     last: Option<(f64, Vector3<f64>, UnitQuaternion<f64>)>,
@@ -93,7 +95,7 @@ impl Streams {
 impl Sensors {
     /// For a plant, read every `period` seconds; without `errors` all sensors are exact.
     pub fn new(plant: &Plant, errors: Option<SensorErrors>, imu: Imu, period: f64, seed: u64) -> Self {
-        let readings = Sensed::blank(&plant.model);
+        let readings = SensorReadings::blank(&plant.model);
         let (nj, ns) = (plant.model.nj(), plant.model.soles.len());
         let errors = errors.map(|e| {
             let delay = |channels: usize, error: &ChannelError| Delay::new(channels, error.delay, period);
@@ -116,8 +118,8 @@ impl Sensors {
         Sensors { errors, readings, imu, last: None }
     }
 
-    /// Reads all sensors at the plant's present state, later than every earlier call; those of the soles only
-    /// with `loads`.
+    /// Reads all sensors at the plant's present state, those of the soles only with `loads`. Times
+    /// of successive calls must increase.
     pub fn read(&mut self, plant: &mut Plant, loads: bool) {
         true_readings::read(plant, loads, self.last.map(|last| last.0), &mut self.readings);
         self.readings.time = plant.state.time;
@@ -131,7 +133,7 @@ impl Sensors {
         }
     }
 
-    /// The robot's state has jumped: the accelerometer starts anew.
+    /// Restarts the accelerometer after a jump of the robot's state.
     pub fn restart(&mut self) {
         self.last = None;
     }
@@ -153,7 +155,7 @@ impl Sensors {
 
 impl ErrorModel {
     /// Applies delays and errors to exact readings.
-    fn apply(&mut self, plant: &Plant, imu: &Imu, out: &mut Sensed) {
+    fn apply(&mut self, plant: &Plant, imu: &Imu, out: &mut SensorReadings) {
         let (e, streams, now) = (&self.errors, &mut self.streams, plant.state.time);
         self.position.apply(now, &mut out.position);
         e.joint_position.apply(&mut out.position, &mut streams.joint_position);
@@ -195,7 +197,8 @@ impl ErrorModel {
             let Some(sensor) = sensor else { continue };
             sensor.to_world(&sensor.orientation(model, &base, &out.position, &out.velocity), sole);
         }
-        // Such a sensor does not measure the pressure distribution: all vertices are clamped, or none.
+        // Such a sensor does not measure the pressure distribution: all vertices are clamped, or
+        // none.
         let light = LIGHT * model.mass() * plant.gravity.norm();
         let up = -plant.gravity.try_normalize(0.0).unwrap_or(-Vector3::z());
         for sole in &mut out.soles {

@@ -1,12 +1,12 @@
 //! Exact readings of the plant.
 
 use crate::sim::plant::Plant;
-use crate::task::Sensed;
+use crate::task::SensorReadings;
 use nalgebra::Vector3;
 
-/// Reads the plant's state and last evaluation without errors, except for the IMU. The loads of the soles are
-/// read only with `loads`. `since` is the time of the last reading, s.
-pub(super) fn read(plant: &mut Plant, loads: bool, since: Option<f64>, out: &mut Sensed) {
+/// Reads the plant's state and last evaluation without errors, except the IMU. The loads of the
+/// soles are read only with `loads`. `since` is the time of the last reading, s.
+pub(super) fn read(plant: &mut Plant, loads: bool, since: Option<f64>, out: &mut SensorReadings) {
     let state = &plant.state;
     let nb = plant.model.nb();
     out.position.copy_from_slice(&state.joints);

@@ -1,16 +1,17 @@
 //! Explicit Runge-Kutta stepping with located events, in steps sized by error control or fixed.
 //!
-//! A step integrates with the contact states held. Event functions, all positive while those states are valid, are
-//! evaluated at the end of the step. When one has changed sign, event location finds the first crossing on the dense
-//! output, the step is repeated to that instant, and the states are chosen anew. After every step the drift of clamped
-//! soles is projected out.
+//! A step integrates with the contact states held. Event functions, all positive while those states
+//! are valid, are evaluated at the end of the step. When one has changed sign, event location finds
+//! the first crossing on the dense output, the step is repeated to that instant, and the states are
+//! chosen again. After every step the drift of clamped soles is removed.
 
 use super::Discontinuity;
+use super::method_pair::MethodPair;
 use super::step_size::StepSize;
 use crate::contact::hybrid::events::MAX_FUNCTIONS;
 use crate::contact::search::judge::CLEAR;
+use crate::integrate::Tableau;
 use crate::integrate::event_location::first_crossing;
-use crate::integrate::{RungeKutta, Tableau};
 use crate::sim::contact_states::event_functions::StepEventFunctions;
 use crate::sim::report::Observer;
 use crate::sim::run::RunState;
@@ -19,21 +20,25 @@ use crate::sim::termination::{check_finite, diverged};
 
 /// Width to which an event is located, relative to its step.
 const LOCATE: f64 = 1e-13;
-/// Size beyond which a step over a jump has not found one, s.
-const FARTHEST: f64 = 1e-9;
+/// Greatest size of a step over a jump, s.
+const MAX_HOP: f64 = 1e-9;
+/// How far beyond an event a step is repeated to end, relative to its size.
+const BEYOND: &[f64] = &[1e-4, 1e-7, 0.0];
+/// The same for Rosenbrock steps, whose dense output is of lower order.
+const STIFF_BEYOND: &[f64] = &[1e-2, 1e-4, 1e-7, 0.0];
 /// Smallest step relative to the time scale of the run, s.
 const SMALLEST: f64 = 1e-13;
 
-/// Speed of a sliding vertex, m/s, at which steps may collapse because its direction turns: ten times the speed below
-/// which the direction is held.
+/// Speed of a sliding vertex, m/s, below which its turning direction may collapse the step size:
+/// ten times the speed below which the direction is held.
 const CRAWL: f64 = 1e-6;
 
-/// Times a step is shortened to end where a vertex has crossed a narrow patch.
-const PASSAGES: usize = 8;
+/// Limit on shortening a step to end where a vertex crosses a narrow patch.
+const MOST_CROSSINGS: usize = 8;
 
 /// The explicit integrator of one run.
 pub struct ExplicitStepper {
-    rk: RungeKutta,
+    pair: MethodPair,
     size: StepSize,
     /// Have the states been chosen at the start of the next step?
     fresh: bool,
@@ -54,7 +59,7 @@ impl ExplicitStepper {
     /// For vectors of length `n`.
     pub fn new(method: &'static Tableau, n: usize, size: StepSize) -> Self {
         ExplicitStepper {
-            rk: RungeKutta::new(method, n),
+            pair: MethodPair::new(method, n, &size),
             size,
             fresh: true,
             hop: None,
@@ -71,30 +76,31 @@ impl ExplicitStepper {
     /// Resets the step size after a jump of the equations.
     pub fn restart(&mut self) {
         self.size.restart();
+        self.pair.restart();
     }
 
-    /// Takes one step towards `until`, or to the first event before it. After a discontinuity the states are chosen
-    /// anew first.
+    /// Takes one step towards `until`, or to the first event before it. After a discontinuity the
+    /// states are first chosen again.
     pub fn step(
         &mut self,
         sim: &mut RunState,
         until: f64,
-        jump: Discontinuity,
+        discontinuity: Discontinuity,
         observer: &mut dyn Observer,
     ) -> Result<(), RunError> {
         let t0 = sim.plant.state.time;
         let layout = sim.plant.layout;
         let remaining = until - t0;
-        let hop = self.hop.take().filter(|_| jump == Discontinuity::None);
+        let hop = self.hop.take().filter(|_| discontinuity == Discontinuity::None);
         let mut h = hop.unwrap_or_else(|| self.size.next(remaining)).min(remaining);
         sim.plant.within = t0 + 0.5 * h;
-        if sim.locates_events() && jump == Discontinuity::Corner {
+        if sim.locates_events() && discontinuity == Discontinuity::Corner {
             sim.choose_states(observer)?;
             self.fresh = true;
         }
         self.begin(sim, t0);
         // A load that has jumped beyond what its state carries, or drift projection over a border.
-        let invalid = self.start.iter().any(|g| *g < 0.0) && (!self.fresh || jump == Discontinuity::Tick);
+        let invalid = self.start.iter().any(|g| *g < 0.0) && (!self.fresh || discontinuity == Discontinuity::Tick);
         if sim.locates_events() && invalid {
             sim.choose_states(observer)?;
             self.begin(sim, t0);
@@ -104,15 +110,18 @@ impl ExplicitStepper {
             impulses.begin_step(&sim.plant.solution.wrench);
         }
         let doubtful = self.functions.overlook(&mut self.start, sim.tolerances.rest);
+        if hop.is_none() && sim.locates_events() {
+            h = self.pair.select(&mut sim.plant, &self.y, h, remaining);
+        }
         self.left.resize(self.start.len(), 0.0);
         self.scratch.resize(self.start.len(), 0.0);
         loop {
             sim.plant.within = t0 + 0.5 * h;
-            self.rk.attempt(&mut sim.plant, t0, h);
+            self.pair.attempt(&mut sim.plant, t0, h);
             if hop.is_some() {
                 break;
             }
-            let Some(factor) = self.size.shorten(&self.rk, layout.controlled(), h, remaining) else { break };
+            let Some(factor) = self.pair.shorten(&mut self.size, layout.controlled(), h, remaining) else { break };
             sim.metrics.rejected_steps += 1;
             h *= factor;
             if !(h > SMALLEST * (1.0 + t0)) {
@@ -120,11 +129,12 @@ impl ExplicitStepper {
                 sim.plant.evaluate_free();
                 let unbounded = sim.locates_events() && sim.resolve_unbounded_force(observer)?;
                 if unbounded || sim.locates_events() && sim.crawls(CRAWL) {
-                    // A crawling vertex has come to rest: its direction turns faster than steps resolve.
+                    // A crawling vertex has come to rest: its direction turns faster than steps
+                    // resolve.
                     let rest = if unbounded { 0.0 } else { CRAWL };
                     sim.choose_states_with_rest(rest, observer)?;
                     self.fresh = true;
-                    self.size.restart();
+                    self.restart();
                     sim.measure_step();
                     return Ok(());
                 }
@@ -133,12 +143,12 @@ impl ExplicitStepper {
         }
         // The last stage was evaluated at the end of the step, where the plant now is.
         self.functions.values(sim, &mut self.right);
-        for _ in 0..PASSAGES {
+        for _ in 0..MOST_CROSSINGS {
             let Some(part) = self.functions.passed_over(sim, &self.right).filter(|_| sim.locates_events()) else {
                 break;
             };
             h *= part;
-            self.rk.attempt(&mut sim.plant, t0, h);
+            self.pair.attempt(&mut sim.plant, t0, h);
             self.functions.values(sim, &mut self.right);
         }
         let mut event = self.right.iter().any(|g| *g < 0.0);
@@ -147,14 +157,14 @@ impl ExplicitStepper {
             h = self.locate(sim, t0, h);
             event = self.hop.is_none();
         }
-        if let Some(size) = hop.filter(|size| !event && *size < FARTHEST) {
+        if let Some(size) = hop.filter(|size| !event && *size < MAX_HOP) {
             self.hop = Some(2.0 * size);
         }
         sim.metrics.steps += 1;
         let t1 = if h == remaining { until } else { t0 + h };
-        self.snapshots(sim, t0, t1, h, observer)?;
-        sim.plant.unpack(t1, &self.rk.end);
-        sim.energy.flows = layout.flows(&self.rk.end);
+        self.emit_dense_output(sim, t0, t1, h, observer)?;
+        sim.plant.unpack(t1, self.pair.end());
+        sim.energy.flows = layout.flows(self.pair.end());
         if located {
             // Event location may end with the plant anywhere in the step.
             sim.plant.evaluate();
@@ -173,7 +183,7 @@ impl ExplicitStepper {
             return Ok(());
         }
         sim.project_drift();
-        // Not where no state was found: a new selection would find none either.
+        // Not if no state was found: another selection would find none either.
         let stops = if doubtful { 0.0 } else { sim.slow_to_rest() };
         event |= doubtful || !sim.locates_events() || self.functions.tolerated_too_much(sim) || stops > 0.0;
         if event {
@@ -181,7 +191,8 @@ impl ExplicitStepper {
             self.functions.suspects(&self.right, &mut sim.suspect);
             sim.choose_states_with_rest(stops, observer)?;
         } else {
-            // No event: the states held are the one candidate, and the event functions have confirmed it.
+            // Without an event the present states are the only candidate, which the event functions
+            // have confirmed.
             sim.metrics.confirmed += 1;
         }
         self.fresh = event;
@@ -192,47 +203,49 @@ impl ExplicitStepper {
     /// Evaluates the start of a step and selects its event functions.
     fn begin(&mut self, sim: &mut RunState, t0: f64) {
         sim.plant.layout.pack(&sim.plant.state, &sim.energy.flows, &mut self.y);
-        self.rk.begin(&mut sim.plant, t0, &self.y);
+        self.pair.begin(&mut sim.plant, t0, &self.y);
         sim.plant.update_reference_directions();
         self.functions.begin(sim);
         self.functions.values(sim, &mut self.start);
     }
 
-    /// Event location: shortens the attempted step to its first event; returns its new size. The plant is left at the
-    /// event.
+    /// Event location: shortens the attempted step to its first event and returns its new size. The
+    /// plant is left at the event.
     ///
-    /// The dense output is of lower order than the step itself (4 and 5, 3 and 4) or another solution of the same
-    /// order, so that a step to an event located on it misses the event. A second step that ends just beyond the
-    /// event, where its dense output is as accurate as its end, removes the difference.
+    /// The dense output is of lower order than the step itself (4 and 5, 3 and 4) or another
+    /// solution of the same order, so a step to an event located on it misses the event. A second
+    /// step that ends just beyond the event, where its dense output is as accurate as its end,
+    /// removes the difference.
     fn locate(&mut self, sim: &mut RunState, t0: f64, full: f64) -> f64 {
         let mut h = full;
         let mut near = false;
-        for beyond in [1e-4, 1e-7, 0.0] {
-            let found = h * self.crossing(sim, t0, h);
-            let next = (found * (1.0 + beyond)).min(full);
+        for &beyond in if self.pair.is_stiff() { STIFF_BEYOND } else { BEYOND } {
+            let event = h * self.crossing(sim, t0, h);
+            let next = (event * (1.0 + beyond)).min(full);
             if next == h {
                 break;
             }
             near = !self.attempt(sim, t0, next);
             h = next;
             if beyond > 0.0 && self.right.iter().all(|g| *g >= 0.0) {
-                // The event has moved beyond the new end by more than expected: fall back on the whole step once.
+                // The event has moved beyond the new end by more than expected: fall back on the
+                // whole step once.
                 self.attempt(sim, t0, full);
                 h = full;
                 near = false;
             }
         }
-        // Where a force jumps with the state (a joint meets its stop) the end may lie before the jump, where the states
-        // are still valid.
+        // If a force jumps with the state (a joint meets its stop), the end may be before the jump,
+        // where the states are still valid.
         self.hop = near.then_some(LOCATE * (1.0 + t0));
         h
     }
 
     /// Attempts a step of size `h`. Returns whether an event function has reached zero at its end.
     fn attempt(&mut self, sim: &mut RunState, t0: f64, h: f64) -> bool {
-        self.rk.attempt(&mut sim.plant, t0, h);
+        self.pair.attempt(&mut sim.plant, t0, h);
         self.functions.values(sim, &mut self.scratch);
-        // The values of the final step only show which functions fired, so the located ones stay.
+        // The final values only show which functions fired, so located negative values are kept.
         if self.scratch.iter().any(|g| *g < 0.0) {
             self.right.copy_from_slice(&self.scratch);
         }
@@ -241,19 +254,20 @@ impl ExplicitStepper {
 
     /// First crossing within the attempted step of size `h`, as a fraction of it.
     fn crossing(&mut self, sim: &mut RunState, t0: f64, h: f64) -> f64 {
-        let (rk, dense, functions) = (&self.rk, &mut self.dense, &self.functions);
+        let (pair, dense, functions) = (&self.pair, &mut self.dense, &self.functions);
         self.scratch.copy_from_slice(&self.start);
         self.left.copy_from_slice(&self.start);
         first_crossing(0.0, 1.0, &mut self.left, &mut self.right, &mut self.scratch, LOCATE, |theta, g| {
-            rk.interpolate(theta, dense);
+            pair.interpolate(theta, dense);
             sim.plant.unpack(t0 + theta * h, dense);
             sim.plant.evaluate();
             functions.fill(sim, g);
         })
     }
 
-    /// Emits the logged and sampled instants inside the step, from the dense output; the log does not influence steps.
-    fn snapshots(
+    /// Emits the logged and sampled instants inside the step, from the dense output; the log does
+    /// not influence steps.
+    fn emit_dense_output(
         &mut self,
         sim: &mut RunState,
         t0: f64,
@@ -266,7 +280,7 @@ impl ExplicitStepper {
         let mut moved = false;
         let due = |next: Option<f64>| next.filter(|&t| t < t1);
         while let Some(t) = due(sim.log.next()).into_iter().chain(due(sim.next_sample())).reduce(f64::min) {
-            self.rk.interpolate(((t - t0) / h).clamp(0.0, 1.0), &mut self.dense);
+            self.pair.interpolate(((t - t0) / h).clamp(0.0, 1.0), &mut self.dense);
             sim.plant.unpack(t, &self.dense);
             sim.plant.evaluate();
             sim.energy.flows = sim.plant.layout.flows(&self.dense);
@@ -280,7 +294,7 @@ impl ExplicitStepper {
         }
         if moved {
             // Returns the plant to the end of the step.
-            sim.plant.unpack(t1, &self.rk.end);
+            sim.plant.unpack(t1, self.pair.end());
             sim.plant.evaluate();
         }
         sim.plant.evaluations = evaluations;

@@ -5,9 +5,10 @@
 //! ```
 //!
 //! with D and K the joint damping and servo gains, tau referred to the velocity v (see
-//! [`Plant::evaluate_implicit`](crate::sim::plant::Plant::evaluate_implicit)), and p the contact impulses over the step. Contact states are chosen by
-//! the same kernel as impacts, on the velocities at the end of the step: a vertex may close its gap but not enter the
-//! floor, `v+_n >= -gap / dt`. First order in dt.
+//! [`Plant::evaluate_implicit`](crate::sim::plant::Plant::evaluate_implicit)), and p the contact
+//! impulses over the step. Contact states are chosen by the same search as impacts, on the
+//! velocities at the end of the step: a vertex may close its gap but not enter the floor,
+//! `v+_n >= -gap / dt`. First order in dt.
 
 use crate::contact::hybrid::projection::fit_plane;
 use crate::contact::methods::contact_method::Scheme;
@@ -22,7 +23,8 @@ use nalgebra::Vector3;
 /// The semi-implicit Euler stepper of one run.
 pub struct SemiImplicitStepper {
     dt: f64,
-    /// End of the last shortened step, s, and the number of full steps since: their instants are multiples, not sums.
+    /// End of the last shortened step, s, and the number of full steps since: their instants are
+    /// multiples, not sums.
     full_steps: (f64, u32),
 }
 
@@ -32,8 +34,8 @@ impl SemiImplicitStepper {
         SemiImplicitStepper { dt, full_steps: (0.0, 0) }
     }
 
-    /// Prepares the run of a method without forces outside a step: its states and forces at the start are those of the
-    /// first step.
+    /// Prepares a run with a method that has forces only within steps: its states and forces at the
+    /// start are those of the first step.
     pub fn begin(&mut self, sim: &mut RunState, observer: &mut dyn Observer) -> Result<(), RunError> {
         sim.plant.within = sim.plant.state.time + 0.5 * self.dt;
         self.solve_contact(sim, self.dt, observer)?;
@@ -49,7 +51,7 @@ impl SemiImplicitStepper {
         let t = sim.plant.state.time;
         let remaining = until - t;
         let dt = if remaining < 1.01 * self.dt { remaining } else { self.dt };
-        // With the forces of the last step and the commands from now on.
+        // These contain the forces of the last step and the new commands.
         sim.emit_due_snapshots(t, observer)?;
         if let Some(sampler) = &mut sim.sampler {
             sampler.begin_step(&sim.plant.state);
@@ -98,14 +100,15 @@ impl SemiImplicitStepper {
         of(self.full_steps)
     }
 
-    /// The change of velocity over the step: v+ - v = dt M^-1 (tau - h) + M^-1 J^T p, in `sim.displacement`.
+    /// The change of velocity over the step: v+ - v = dt M^-1 (tau - h) + M^-1 J^T p, in
+    /// `sim.displacement`.
     fn displace(&self, sim: &mut RunState, dt: f64) {
         let plant = &mut sim.plant;
         sim.displacement.iter_mut().zip(&plant.acceleration).for_each(|(d, a)| *d = dt * a);
         reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &plant.solution.wrench, &mut sim.displacement);
     }
 
-    /// Poses the contact problem of a step at the present state and solves it.
+    /// Sets up the contact problem of a step at the present state and solves it.
     fn solve_contact(&self, sim: &mut RunState, dt: f64, observer: &mut dyn Observer) -> Result<(), RunError> {
         sim.plant.evaluate_implicit(dt);
         if let Some(failure) = sim.plant.failure {
@@ -113,12 +116,12 @@ impl SemiImplicitStepper {
         }
         sim.update_friction(observer)?;
         sim.measure_energy();
-        self.pose(sim, dt);
+        self.set_velocity_problem(sim, dt);
         if sim.plant.is_compliant() { sim.compliant_impulse(observer) } else { sim.choose_impulse(observer) }
     }
 
     /// Turns the reduced problem into the velocity-level one of this step.
-    fn pose(&self, sim: &mut RunState, dt: f64) {
+    fn set_velocity_problem(&self, sim: &mut RunState, dt: f64) {
         let plant = &mut sim.plant;
         let scheme = plant.method.scheme();
         let p = &mut plant.problem;
@@ -130,8 +133,9 @@ impl SemiImplicitStepper {
             for v in &mut p.soles[s].vertices {
                 v.bias = Vector3::zeros();
             }
-            // A method that searches at the end of the step clamps only vertices that close their gap within it. One that
-            // decides from heights may clamp a vertex up to the distance tolerance above the floor, and stops it there.
+            // A method that searches at the end of the step clamps only vertices that close their
+            // gap within it. One that decides from heights may clamp a vertex up to the distance
+            // tolerance above the floor, and stops it there.
             let closes = matches!(scheme, Scheme::EventDriven | Scheme::TimeStepping);
             let gap = fit_plane(&p.soles[s], |i| match scheme {
                 Scheme::EventDriven => p.soles[s].vertices[i].height.max(0.0),
@@ -144,12 +148,12 @@ impl SemiImplicitStepper {
             for i in 0..p.soles[s].vertices.len() {
                 let free = p.vertex_motion(&p.b, s, i).z;
                 let v = &mut p.soles[s].vertices[i];
-                // Near: the step may bring the vertex to the floor, possibly because impulses on the other vertices turn
-                // the sole as fast as they approached.
+                // Near: the step may bring the vertex to the floor, possibly because impulses on
+                // the other vertices turn the sole as fast as they approached.
                 v.near = v.height + dt * free.min(0.0) <= dt * fastest || v.height <= 0.0;
                 v.moving = false;
-                // The target now contains the gap. Vertices meet the floor at its height: with all points of a sole at one
-                // height its tilting has no tangential part.
+                // The target now contains the gap. Vertices meet the floor at its height: with all
+                // points of a sole at one height, tilting has no tangential part.
                 if v.near && closes {
                     v.r.z -= v.height;
                 }

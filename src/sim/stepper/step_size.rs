@@ -1,6 +1,6 @@
 //! Step-size control of explicit integrators.
 
-use crate::integrate::{RungeKutta, StepControl};
+use crate::integrate::StepControl;
 
 /// Step size of an explicit integrator.
 pub enum StepSize {
@@ -33,10 +33,11 @@ impl StepSize {
         if remaining - h < 0.01 * h { remaining } else { h }
     }
 
-    /// None if the error of the attempted step of size `h` is acceptable; else the factor to shorten it by.
-    pub fn shorten(&mut self, rk: &RungeKutta, controlled: usize, h: f64, remaining: f64) -> Option<f64> {
+    /// None if the error of the attempted step of size `h` is acceptable; else the factor to
+    /// shorten it by. `error` has the arguments relative and absolute tolerance.
+    pub fn shorten(&mut self, error: impl Fn(f64, f64) -> f64, h: f64, remaining: f64) -> Option<f64> {
         let StepSize::Controlled { control, relative, absolute, h: next, .. } = self else { return None };
-        let error = rk.error(*relative, *absolute, controlled);
+        let error = error(*relative, *absolute);
         let factor = control.factor(error);
         if error <= 1.0 {
             if h < remaining || factor < 1.0 {

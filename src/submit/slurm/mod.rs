@@ -1,29 +1,30 @@
-//! Slurm: a job array, and a job that depends on it.
+//! Submits a sweep to Slurm: a job array, and a merge job that depends on it.
 
+mod batch_scripts;
 mod controller;
 mod options;
-mod script;
 
-use super::tool::{Tool, ended};
-use super::{Jobs, SUBMIT_SCHEMA, SubmitError, Sweep};
+use super::engine_command::{EngineCommand, status_text};
+use super::{Jobs, SUBMIT_SCHEMA, SubmitError, Sweep, WaitError};
 use crate::files::{RecordError, atomic};
 use crate::results::PROGRAM;
+use std::fmt;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::PathBuf;
 use std::process::Stdio;
 
 pub use options::Options;
 
-/// Its name in words.
+/// Name of the engine in messages.
 const NAME: &str = "Slurm";
 
-/// Its name in `jobs.json`.
+/// Name of the engine in `jobs.json`.
 const ENGINE: &str = "slurm";
 
-/// Names of the scripts.
+/// File names of the scripts.
 const SCRIPTS: [&str; 2] = ["array.sbatch", "merge.sbatch"];
 
-/// A sweep as jobs of Slurm.
+/// A sweep with its two batch scripts.
 #[derive(Debug)]
 pub struct Submission<'a> {
     sweep: &'a Sweep,
@@ -32,34 +33,38 @@ pub struct Submission<'a> {
 }
 
 impl<'a> Submission<'a> {
-    /// Makes the scripts; nothing is written.
+    /// Creates the texts of the scripts; writes no file.
     ///
     /// # Errors
-    /// A word cannot stand in a script, or an option is not to be chosen.
+    /// A text cannot be written into a script, or an option is reserved.
     pub fn new(sweep: &'a Sweep, options: &Options) -> Result<Self, SubmitError> {
         options.check()?;
-        Ok(Submission { sweep, scripts: [script::array(sweep, options)?, script::merge(sweep, options)?] })
+        Ok(Submission {
+            sweep,
+            scripts: [batch_scripts::array(sweep, options)?, batch_scripts::merge(sweep, options)?],
+        })
     }
 
-    /// Is a controller there, does it take so many parts, and have the folder's earlier jobs ended?
+    /// Checks that a controller answers, accepts the number of parts, and that earlier jobs of the
+    /// folder have ended.
     ///
     /// # Errors
-    /// Not so.
+    /// A check failed.
     pub fn check(&self) -> Result<(), SubmitError> {
-        controller::takes(self.sweep.parts.get())?;
+        controller::check_array_size(self.sweep.parts.get())?;
         let Some(earlier) = Jobs::read(&self.sweep.scripts())?.filter(|jobs| jobs.engine == ENGINE) else {
             return Ok(());
         };
         let ids: Vec<String> = [Some(earlier.array), earlier.merge].into_iter().flatten().collect();
-        let alive = controller::alive(&ids)?;
-        if alive.is_empty() {
+        let unfinished = controller::unfinished(&ids)?;
+        if unfinished.is_empty() {
             return Ok(());
         }
         let command = format!("scancel {}", ids.join(" "));
-        Err(SubmitError::Alive { folder: self.sweep.folder.clone(), jobs: alive, command })
+        Err(SubmitError::Unfinished { folder: self.sweep.folder.clone(), jobs: unfinished, command })
     }
 
-    /// Writes the scripts; returns where.
+    /// Writes the scripts and returns their paths.
     ///
     /// # Errors
     /// They cannot be written.
@@ -71,48 +76,53 @@ impl<'a> Submission<'a> {
         Ok(paths)
     }
 
-    /// The commands that submit, as somebody would type them.
+    /// The commands that submit both jobs, as text for a shell.
     pub fn commands(&self) -> [String; 2] {
-        let [array, merge] = SCRIPTS.map(|name| super::text::shell(&super::shown(&self.sweep.scripts().join(name))));
+        let [array, merge] =
+            SCRIPTS.map(|name| super::quoting::shell(&super::display(&self.sweep.scripts().join(name))));
         [format!("sbatch --parsable {array}"), format!("sbatch --dependency=afterany:ARRAY {merge}")]
     }
 
-    /// Writes the scripts, has Slurm look at them, and submits both jobs, the second to begin when all tasks of the first
-    /// have ended. `wait` is for somebody who wants to know how the second ends.
+    /// Writes the scripts, has Slurm validate them, and submits both jobs; the merge begins when
+    /// all tasks of the array have ended. With `wait`, [`Submitted::wait`] returns the outcome of
+    /// the merge.
     ///
     /// # Errors
-    /// A file cannot be written; Slurm refuses a script: then no job is left, unless the message says so.
+    /// A file cannot be written, or Slurm rejects a script. No job remains then, unless the message
+    /// names one.
     pub fn submit(&self, wait: bool) -> Result<Submitted, SubmitError> {
         let paths = self.write()?;
         for path in &paths {
-            sbatch(&["--test-only"], path).accepted("nothing was submitted")?;
+            sbatch(&["--test-only"], path).run_checked("nothing was submitted")?;
         }
         let [array_script, merge_script] = &paths;
-        let array = id(&sbatch(&["--parsable"], array_script).accepted("nothing was submitted")?.stdout);
+        let array = id(&sbatch(&["--parsable"], array_script).run_checked("nothing was submitted")?.stdout);
         let mut jobs = self.jobs(array.clone());
-        // From here on somebody must know of the array, whatever becomes of this program.
+        // Recorded before the merge is submitted, so that the array can be found if this program
+        // dies.
         if let Err(error) = jobs.write(&self.sweep.scripts()) {
-            return match cancel(&array) {
-                Ok(_) => Err(error.into()),
-                Err(left) => Err(SubmitError::Left { error: Box::new(error), left }),
-            };
+            return Err(match cancel(&array) {
+                Cancellation::Cancelled(_) => error.into(),
+                failed => SubmitError::JobRemains { error: Box::new(error), remaining: failed.to_string() },
+            });
         }
         let dependency = format!("--dependency=afterany:{array}");
-        let words: &[&str] = if wait { &["--parsable", "--wait", &dependency] } else { &["--parsable", &dependency] };
-        let waiting = match Waiting::start(sbatch(words, merge_script)) {
-            Ok(waiting) => waiting,
+        let arguments: &[&str] =
+            if wait { &["--parsable", "--wait", &dependency] } else { &["--parsable", &dependency] };
+        let merge = match MergeJob::submit(sbatch(arguments, merge_script)) {
+            Ok(merge) => merge,
             Err(refusal) => {
-                let left = cancel(&array);
-                if left.is_ok() {
-                    // No job is left to be told of.
+                let cancellation = cancel(&array);
+                if let Cancellation::Cancelled(_) = cancellation {
+                    // No job remains to be recorded.
                     let _ = std::fs::remove_file(self.sweep.scripts().join(super::jobs::JOBS));
                 }
-                return Err(refusal.into_error(left.unwrap_or_else(|left| left)));
+                return Err(refusal.into_error(&cancellation.to_string()));
             }
         };
-        jobs.merge = Some(waiting.id.clone());
+        jobs.merge = Some(merge.id.clone());
         jobs.write(&self.sweep.scripts())?;
-        Ok(Submitted { jobs, waiting })
+        Ok(Submitted { jobs, merge })
     }
 
     fn jobs(&self, array: String) -> Jobs {
@@ -123,96 +133,115 @@ impl<'a> Submission<'a> {
             parts: self.sweep.parts.get(),
             runs: self.sweep.runs,
             plan: self.sweep.plan.clone(),
-            command: script::command(self.sweep),
+            command: batch_scripts::command(self.sweep),
             array,
             merge: None,
         }
     }
 }
 
-/// What Slurm has taken.
+/// The submitted jobs.
 pub struct Submitted {
-    /// As `jobs.json` has it.
+    /// The contents of `jobs.json`.
     pub jobs: Jobs,
-    waiting: Waiting,
+    merge: MergeJob,
 }
 
 impl Submitted {
-    /// Waits for the end of the job that merges, if that was wanted: its exit code, or words for what it ended with.
+    /// Waits until the merge has ended, if submitted with `wait`. Returns its exit code.
     ///
     /// # Errors
-    /// In words: it did not end by itself.
-    pub fn wait(self) -> Result<u8, String> {
-        let (mut child, mut stderr) = (self.waiting.child, String::new());
-        let status = child.wait().map_err(|error| error.to_string())?;
+    /// The system cannot wait for it, or a signal terminated it.
+    pub fn wait(self) -> Result<u8, WaitError> {
+        let (mut child, mut output) = (self.merge.child, String::new());
+        let status = child.wait()?;
         if let Some(mut pipe) = child.stderr.take() {
-            // What it says besides is of no interest when it cannot be read.
-            let _ = pipe.read_to_string(&mut stderr);
+            // The output only completes an error message.
+            let _ = pipe.read_to_string(&mut output);
         }
-        match status.code().and_then(|code| u8::try_from(code).ok()) {
-            Some(code) => Ok(code),
-            None => Err(format!("{} {stderr}", ended(&status)).trim().to_owned()),
-        }
+        let code = status.code().and_then(|code| u8::try_from(code).ok());
+        code.ok_or_else(|| WaitError::Signal { status: status_text(&status), output })
     }
 }
 
-/// An `sbatch` that has told the number of its job.
-struct Waiting {
+/// The `sbatch` process of the merge and the number of its job.
+struct MergeJob {
     child: std::process::Child,
     id: String,
 }
 
-/// Why there is no job to merge.
+/// Why the merge was not submitted.
 enum Refusal {
-    Absent(SubmitError),
-    Refused { tool: Tool, status: std::process::ExitStatus, said: String },
+    NotStarted(SubmitError),
+    Refused { command: EngineCommand, status: std::process::ExitStatus, output: String },
 }
 
 impl Refusal {
-    fn into_error(self, left: String) -> SubmitError {
+    fn into_error(self, remaining: &str) -> SubmitError {
         match self {
-            Refusal::Absent(error) => error,
-            Refusal::Refused { tool, status, said } => tool.refused(&status, &said, &left),
+            Refusal::NotStarted(error) => error,
+            Refusal::Refused { command, status, output } => command.refused(&status, &output, remaining),
         }
     }
 }
 
-impl Waiting {
-    /// Starts it and reads the number. With `--wait` it goes on from there until the job has ended.
-    fn start(tool: Tool) -> Result<Self, Refusal> {
-        let spawned = controller::unswayed(tool.command()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
-        let mut child = spawned.map_err(|source| Refusal::Absent(tool.absent(source)))?;
+impl MergeJob {
+    /// Starts `sbatch` and reads the job's number. With `--wait` the process continues until the
+    /// job has ended.
+    fn submit(command: EngineCommand) -> Result<Self, Refusal> {
+        let spawned = controller::without_inherited_options(command.command())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn();
+        let not_started = |source| Refusal::NotStarted(command.not_found(source));
+        let mut child = spawned.map_err(not_started)?;
         let mut line = String::new();
         if let Some(pipe) = child.stdout.take() {
-            // What cannot be read is no number, as is seen below.
+            // An unreadable line leaves the number empty, which is handled below.
             let _ = BufReader::new(pipe).read_line(&mut line);
         }
         let id = id(line.trim());
         if !id.is_empty() {
-            return Ok(Waiting { child, id });
+            return Ok(MergeJob { child, id });
         }
-        let absent = |source| Refusal::Absent(tool.absent(source));
-        let output = child.wait_with_output().map_err(absent)?;
-        let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-        Err(Refusal::Refused { tool, status: output.status, said })
+        let output = child.wait_with_output().map_err(not_started)?;
+        let text = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+        Err(Refusal::Refused { command, status: output.status, output: text })
     }
 }
 
-fn sbatch(words: &[&str], script: &std::path::Path) -> Tool {
-    let arguments = words.iter().map(|word| (*word).to_owned()).chain([super::shown(script)]).collect();
-    Tool { engine: NAME, program: "sbatch", arguments }
+fn sbatch(options: &[&str], script: &std::path::Path) -> EngineCommand {
+    let arguments = options.iter().map(|option| (*option).to_owned()).chain([super::display(script)]).collect();
+    EngineCommand { engine: NAME, program: "sbatch", arguments }
 }
 
-/// `ID;CLUSTER`, or `ID` alone.
-fn id(said: &str) -> String {
-    said.split(';').next().unwrap_or_default().trim().to_owned()
+/// The job number in `ID;CLUSTER` or `ID`.
+fn id(output: &str) -> String {
+    output.split(';').next().unwrap_or_default().trim().to_owned()
 }
 
-/// Ends an array that nothing would merge; in words, what is left, as an error if that is the array.
-fn cancel(array: &str) -> Result<String, String> {
-    let tool = Tool { engine: NAME, program: "scancel", arguments: vec![array.to_owned()] };
-    match tool.run() {
-        Ok(answer) if answer.status.success() => Ok(format!("the job array {array} was cancelled; nothing is left")),
-        _ => Err(format!("the job array {array} is left and could not be cancelled: end it with `scancel {array}`")),
+/// Outcome of cancelling a job array, by its number.
+enum Cancellation {
+    Cancelled(String),
+    Failed(String),
+}
+
+impl fmt::Display for Cancellation {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Cancellation::Cancelled(array) => write!(f, "the job array {array} was cancelled"),
+            Cancellation::Failed(array) => {
+                write!(f, "the job array {array} remains and could not be cancelled: cancel it with `scancel {array}`")
+            }
+        }
+    }
+}
+
+/// Cancels an array without a merge.
+fn cancel(array: &str) -> Cancellation {
+    let command = EngineCommand { engine: NAME, program: "scancel", arguments: vec![array.to_owned()] };
+    match command.run() {
+        Ok(output) if output.status.success() => Cancellation::Cancelled(array.to_owned()),
+        _ => Cancellation::Failed(array.to_owned()),
     }
 }

@@ -1,10 +1,10 @@
-//! What can be chosen about the jobs.
+//! Options of the jobs, checked against those that this program sets itself.
 
 use std::num::NonZero;
 
-use super::super::{SubmitError, text};
+use super::super::{SubmitError, quoting};
 
-/// What is asked of Slurm for each job; what is not said is for the cluster to decide.
+/// Resources of each job; the cluster's defaults apply to those not given.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Processors of each part.
@@ -21,30 +21,29 @@ pub struct Options {
     pub more: Vec<String>,
 }
 
-/// Options that say what is said already, and who says it.
-const TAKEN: [(&[&str], &str); 4] = [
-    (&["--array", "-a"], "--parts says how many tasks there are"),
-    (
-        &["--dependency", "-d", "--parsable", "--wait", "-W", "--test-only", "--wrap"],
-        "it is given where the jobs are submitted",
-    ),
-    (&["--chdir", "-D", "--output", "-o", "--open-mode"], "-o says which folder the jobs work in"),
+/// Options that this program sets itself, and what sets them.
+const RESERVED: [(&[&str], &str); 4] = [
+    (&["--array", "-a"], "--parts sets the number of tasks"),
+    (&["--dependency", "-d", "--parsable", "--wait", "-W", "--test-only", "--wrap"], "runner submit sets it"),
+    (&["--chdir", "-D", "--output", "-o", "--open-mode"], "-o sets the folder of the jobs"),
     (&["--clusters", "-M"], "the array and its merge are submitted to the cluster at hand; see SLURM_CONF"),
 ];
 
 impl Options {
-    /// Can all of them stand in a script?
+    /// Checks that all options can be written into a script.
     pub(super) fn check(&self) -> Result<(), SubmitError> {
         for option in &self.more {
-            text::line("an option of --sbatch", option)?;
+            quoting::line("an option of --sbatch", option)?;
             if !option.starts_with('-') {
-                let word = option.clone();
-                return Err(SubmitError::Word { what: "--sbatch", why: "no hyphen before it", word });
+                let text = option.clone();
+                return Err(SubmitError::Text { what: "--sbatch", why: "no hyphen before it", text });
             }
             for word in option.split_whitespace() {
                 let name = word.split_once('=').map_or(word, |(name, _)| name);
-                if let Some((_, why)) = TAKEN.iter().find(|(names, _)| names.iter().any(|taken| is(name, taken))) {
-                    return Err(SubmitError::Taken { option: option.clone(), why });
+                if let Some((_, why)) =
+                    RESERVED.iter().find(|(names, _)| names.iter().any(|reserved| matches(name, reserved)))
+                {
+                    return Err(SubmitError::Reserved { option: option.clone(), why });
                 }
             }
         }
@@ -52,9 +51,9 @@ impl Options {
     }
 }
 
-/// Is it this option, or would Slurm take it for that? It takes the beginning of a long one for the whole, and a short one may have its
-/// value behind it.
-fn is(word: &str, option: &str) -> bool {
+/// True if Slurm reads a word as this option. It accepts prefixes of long options, and short ones
+/// with their value attached.
+fn matches(word: &str, option: &str) -> bool {
     word == option
         || word.len() > 2 && option.starts_with("--") && option.starts_with(word)
         || !option.starts_with("--") && !word.starts_with("--") && word.starts_with(option)

@@ -6,15 +6,15 @@
 //!
 //! with f_s and m_s the force and moment on sole s about its reference point p_s.
 
-use super::Augmented;
+use super::AugmentedData;
 use crate::dynamics::body;
 use crate::geometry::Plane;
-use crate::task::Sensed;
+use crate::task::SensorReadings;
 use nalgebra::{Vector2, Vector3};
 
-/// A vertex under a force below this many newtons bears no load: rounding of a solve.
-pub(super) const NOTHING: f64 = 1e-9;
-/// A sole whose sensor reads less than this part of the robot's weight counts as in the air.
+/// A vertex with a smaller force, N, counts as unloaded: solver rounding.
+pub(super) const UNLOADED: f64 = 1e-9;
+/// A sole whose sensor measures less than this fraction of the robot's weight counts as in the air.
 pub const LIGHT: f64 = 0.02;
 
 /// A vertex on the floor.
@@ -30,13 +30,13 @@ pub struct ContactPoint {
     pub force: Vector3<f64>,
 }
 
-impl Augmented {
-    /// Uses the vertex forces of the simulated floor. Where a sensor measures only the resultants,
-    /// these are split ([`super::load_split`]); then vertices that bear load count as in contact,
-    /// on soles that bear 2 % of the weight.
-    pub(super) fn find_contacts(&mut self, sensed: &Sensed, floor: &Plane) {
+impl AugmentedData {
+    /// Uses the vertex forces of the simulated floor. If a sensor measures only the resultants,
+    /// these are split ([`super::load_split`]), and loaded vertices count as in contact on soles
+    /// that bear more than `LIGHT` times the weight.
+    pub(super) fn find_contacts(&mut self, sensed: &SensorReadings, floor: &Plane) {
         self.contacts.clear();
-        let light = LIGHT * body::whole(&self.workspace).mass * self.gravity.norm();
+        let light = LIGHT * body::total_inertia(&self.workspace).mass * self.gravity.norm();
         for (s, (data, load)) in self.soles.iter_mut().zip(&sensed.soles).enumerate() {
             if load.resolved {
                 data.vertex_forces.copy_from_slice(&load.vertices);
@@ -45,7 +45,7 @@ impl Augmented {
             }
             let loaded = floor.to_plane(&load.force).z > light;
             for (i, (position, force)) in data.vertices.iter().zip(&data.vertex_forces).enumerate() {
-                let bears = || loaded && floor.to_plane(force).z > NOTHING;
+                let bears = || loaded && floor.to_plane(force).z > UNLOADED;
                 let touches = if load.resolved { load.clamped[i] } else { bears() };
                 if touches {
                     self.contacts.push(ContactPoint { sole: s, vertex: i, position: *position, force: *force });
@@ -54,13 +54,13 @@ impl Augmented {
         }
     }
 
-    pub(super) fn find_zmp(&mut self, sensed: &Sensed, floor: &Plane) {
+    pub(super) fn find_zmp(&mut self, sensed: &SensorReadings, floor: &Plane) {
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
         for (data, load) in self.soles.iter().zip(&sensed.soles) {
             force += load.force;
             moment += load.moment + (data.position - floor.point).cross(&load.force);
         }
         let (f, m) = (floor.to_plane(&force), floor.to_plane(&moment));
-        self.zmp = (f.z > NOTHING).then(|| floor.world(&Vector2::new(-m.y / f.z, m.x / f.z)));
+        self.zmp = (f.z > UNLOADED).then(|| floor.world(&Vector2::new(-m.y / f.z, m.x / f.z)));
     }
 }

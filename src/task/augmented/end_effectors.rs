@@ -1,6 +1,6 @@
 //! End effectors of the robot file.
 
-use super::Augmented;
+use super::AugmentedData;
 use crate::dynamics::{Motion, jacobian};
 use crate::robot::Model;
 use nalgebra::Isometry3;
@@ -22,7 +22,7 @@ impl EndEffectorData {
     }
 }
 
-impl Augmented {
+impl AugmentedData {
     pub(super) fn find_end_effectors(&mut self, model: &Model) {
         for (i, effector) in model.end_effectors.iter().enumerate() {
             let pose = self.frame_pose(effector.link, &effector.pose);

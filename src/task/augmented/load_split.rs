@@ -1,23 +1,23 @@
-//! Splits a sole's resultant over its vertices where the sensor measures only the resultant.
+//! Splits a sole's resultant over its vertices if the sensor measures only the resultant.
 //!
 //! ```text
 //! min sum N_i^2   with   sum N_i = F_z,  sum N_i (x_i, y_i) = F_z c,  N_i >= 0        c the centre of pressure
 //! ```
 //!
 //! The simulated floor uses the same rule for a face at rest ([`crate::contact::model::pressure`]).
-//! The split of a load over more than three vertices is indeterminate; this one is the most even.
+//! The split of a load over more than three vertices is indeterminate; this is the most even one.
 //! Tangential forces are proportional to the normal ones times the translation and rotation that
-//! balance the rest of the wrench. If sensor errors put the centre of pressure outside the sole, it
-//! moves to the nearest point of the outline, and the two ends of that side share the load.
+//! balance the rest of the wrench. A centre of pressure that sensor errors put outside the sole is
+//! moved to the nearest point of the outline, and the two ends of that side share the load.
 
-use super::contacts::NOTHING;
+use super::contacts::UNLOADED;
 use super::soles::SoleData;
 use crate::contact::model::pressure;
 use crate::contact::model::problem::{SoleProblem, Vertex};
 use crate::contact::search::candidate::share_tangent;
 use crate::geometry::Plane;
 use crate::robot::{Model, Sole};
-use crate::task::sensed::SoleLoad;
+use crate::task::sensor_readings::SoleLoad;
 use nalgebra::{Vector2, Vector3};
 
 /// Scratch for all soles.
@@ -49,9 +49,9 @@ impl Splitter {
         let (force, moment) = (floor.to_plane(&load.force), floor.to_plane(&load.moment));
         normal.fill(0.0);
         tangent.fill(Vector2::zeros());
-        if force.z > NOTHING {
+        if force.z > UNLOADED {
             if !(k > 2 && pressure::share(sole, force.z, [moment.x, moment.y], normal)) {
-                on_outline(sole, force.z, Vector2::new(-moment.y, moment.x) / force.z, normal);
+                split_on_outline(sole, force.z, Vector2::new(-moment.y, moment.x) / force.z, normal);
             }
             share_tangent(sole, force.xy(), moment.z, normal, tangent);
         }
@@ -62,11 +62,9 @@ impl Splitter {
 }
 
 fn problem(sole: &Sole) -> SoleProblem {
-    let mean = sole.vertices.iter().sum::<Vector3<f64>>() / sole.vertices.len().max(1) as f64;
-    let reach = sole.vertices.iter().map(|v| (v - mean).norm()).fold(0.0, f64::max);
     SoleProblem {
         vertices: vec![Vertex::default(); sole.vertices.len()],
-        radius: if reach > 0.0 { reach } else { 1.0 },
+        radius: sole.radius(),
         body: sole.link.0,
         position: Vector3::zeros(),
         target: Vector3::zeros(),
@@ -75,7 +73,7 @@ fn problem(sole: &Sole) -> SoleProblem {
 
 /// Gives the load to the two ends of the side nearest to `cop`, so that its centre of pressure is
 /// the nearest point.
-fn on_outline(sole: &SoleProblem, load: f64, cop: Vector2<f64>, normal: &mut [f64]) {
+fn split_on_outline(sole: &SoleProblem, load: f64, cop: Vector2<f64>, normal: &mut [f64]) {
     let k = normal.len();
     let mut best = (f64::INFINITY, 0, 0.0);
     for i in 0..k {

@@ -7,11 +7,11 @@
 //!
 //! because the base's own motion moves com, p and R together and leaves c unchanged.
 
-use super::Augmented;
+use super::AugmentedData;
 use crate::dynamics::{body, jacobian};
 use nalgebra::Vector3;
 
-impl Augmented {
+impl AugmentedData {
     pub(super) fn find_com(&mut self) {
         self.com = body::center_of_mass(&self.workspace);
         self.com_velocity = body::center_of_mass_velocity(&self.workspace);

@@ -19,7 +19,7 @@ pub use contacts::{ContactPoint, LIGHT};
 pub use end_effectors::EndEffectorData;
 pub use soles::SoleData;
 
-use super::{Needs, Sensed};
+use super::{Needs, SensorReadings};
 use crate::dynamics::{State, Workspace, crba, kinematics, rnea};
 use crate::geometry::Plane;
 use crate::robot::Model;
@@ -27,7 +27,7 @@ use nalgebra::Vector3;
 
 /// The augmented data. Parts not needed at the last update are stale.
 #[derive(Clone, Debug)]
-pub struct Augmented {
+pub struct AugmentedData {
     /// Kinematics at the estimated state ([`Needs::LINKS`]; [`link_pose`](Self::link_pose) reads
     /// it), the mass matrix M in `mass` ([`Needs::MASS`]) and the bias h in `bias`
     /// ([`Needs::BIAS`]): `M vdot + h = tau`.
@@ -42,8 +42,8 @@ pub struct Augmented {
     /// axes: the rate of the centre of mass relative to the base, in base axes
     /// ([`Needs::COM_JACOBIAN_BASE`]).
     pub com_jacobian_base: Vec<f64>,
-    /// Generalised force that holds the robot against gravity, g(q), the bias at rest, nv: the
-    /// force and moment on a floating base, then the joint efforts, N m or N ([`Needs::GRAVITY`]).
+    /// Generalised force g(q) that compensates gravity, the bias at rest, nv: the force and moment
+    /// on a floating base, then the joint efforts, N m or N ([`Needs::GRAVITY`]).
     pub gravity_effort: Vec<f64>,
     /// One entry per sole ([`Needs::SOLES`] and more).
     pub soles: Vec<SoleData>,
@@ -52,7 +52,7 @@ pub struct Augmented {
     /// Vertices that stick or slide on the floor, sole by sole ([`Needs::CONTACTS`]).
     pub contacts: Vec<ContactPoint>,
     /// Zero-moment point: point of the floor plane about which the floor's forces have no moment
-    /// along it, m. None unless they press on it ([`Needs::ZMP`]).
+    /// along the plane, m; none without a load ([`Needs::ZMP`]).
     pub zmp: Option<Vector3<f64>>,
     /// Corners of the convex hull of the contact points seen along the floor's normal,
     /// counter-clockwise, m; one or two for a point or a line, none in flight ([`Needs::SUPPORT`]).
@@ -67,12 +67,12 @@ pub struct Augmented {
     edges: Vec<crate::geometry::stable_point::Edge>,
 }
 
-impl Augmented {
+impl AugmentedData {
     /// Allocates for a robot.
     pub fn new(model: &Model) -> Self {
         let (nv, nj) = (model.nv(), model.nj());
         let points: usize = model.soles.iter().map(|s| s.vertices.len()).sum();
-        Augmented {
+        AugmentedData {
             workspace: Workspace::new(model),
             com: Vector3::zeros(),
             com_velocity: Vector3::zeros(),
@@ -98,7 +98,7 @@ impl Augmented {
         &mut self,
         model: &Model,
         state: &State,
-        sensed: &Sensed,
+        sensed: &SensorReadings,
         gravity: &Vector3<f64>,
         floor: &Plane,
         needs: Needs,
@@ -112,7 +112,7 @@ impl Augmented {
             crba::mass_matrix(model, &mut self.workspace);
         }
         if needs.contains(Needs::BIAS) {
-            rnea::bias(model, &mut self.workspace, gravity);
+            rnea::bias(&mut self.workspace, gravity);
         }
         if needs.contains(Needs::COM) {
             self.find_com();

@@ -1,6 +1,6 @@
 //! Positions and Jacobians of the soles.
 
-use super::Augmented;
+use super::AugmentedData;
 use crate::dynamics::jacobian;
 use crate::robot::{Model, Sole};
 use nalgebra::Vector3;
@@ -33,7 +33,7 @@ impl SoleData {
     }
 }
 
-impl Augmented {
+impl AugmentedData {
     pub(super) fn find_soles(&mut self, model: &Model) {
         for (data, sole) in self.soles.iter_mut().zip(&model.soles) {
             for (at, local) in data.vertices.iter_mut().zip(&sole.vertices) {

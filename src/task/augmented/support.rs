@@ -1,9 +1,9 @@
 //! Support polygon and point of optimal stability.
 
-use super::Augmented;
+use super::AugmentedData;
 use crate::geometry::{Plane, convex_hull, stable_point};
 
-impl Augmented {
+impl AugmentedData {
     /// Needs the contact points.
     pub(super) fn find_support(&mut self, floor: &Plane) {
         self.support_polygon.clear();

@@ -23,9 +23,9 @@
 //! is once continuously differentiable, strongly convex, and solved by Newton's method with the
 //! derivative of P_i (a semi-smooth Newton method) and a line search. If no forces in the cones add
 //! up to w, the same steps lead to the nearest feasible wrench [Chiche 2016], in the norm of
-//! [`Measure`]. It divides moments by a length smaller than the height of the centre of mass, so
-//! that a push past the edge of the soles reduces the horizontal force rather than adding a moment
-//! that would tip the body over.
+//! [`Measure`]. It divides moments by a length smaller than the height of the centre of mass. Thus
+//! a push past the edge of the soles reduces the horizontal force rather than adding a moment that
+//! would tip the body over.
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
@@ -38,14 +38,14 @@ pub struct Wrench {
     pub moment: Vector3<f64>,
 }
 
-/// Norm of the difference between the desired wrench and an infeasible one's substitute.
+/// Norm of the difference between an infeasible desired wrench and its substitute.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Measure {
     /// Reference force, N: the robot's weight. Above zero.
     pub force: f64,
-    /// A moment of this length times a force counts as much as the force, m. Above zero.
+    /// Length by which moments are divided for comparison with forces, m. Above zero.
     pub length: f64,
-    /// Unit vector upwards; a force missing along it counts [`VERTICAL`] times.
+    /// Unit vector upwards; a missing force along it has the weight [`VERTICAL`].
     pub up: Vector3<f64>,
 }
 
@@ -55,13 +55,13 @@ pub const VERTICAL: f64 = 10.0;
 /// Weights eps of the first steps of (2), relative to the number of contacts: the early steps bring
 /// the later ones close.
 const WEIGHTS: [f64; 2] = [1e-1, 1e-3];
-/// Weight of all further steps. Each reduces the remaining error to about this part.
+/// Weight of all further steps. Each reduces the remaining error to about this fraction.
 const LAST_WEIGHT: f64 = 1e-5;
 /// Limit on these further steps; two to four are usual.
 const LAST_STEPS: usize = 8;
 /// Limit on Newton steps for one step of (2): convergence takes about ten.
 const NEWTON_STEPS: usize = 40;
-/// Smallest part of a Newton step that is tried: below it rounding dominates.
+/// Smallest fraction of a Newton step that is tried: below it rounding dominates.
 const SHORTEST: f64 = 1e-8;
 /// Remainder of w, relative to it, that counts as rounding.
 const ROUNDING: f64 = 1e-15;
@@ -80,7 +80,7 @@ struct Contact {
 }
 
 impl Distribution {
-    /// For up to `capacity` contacts.
+    /// Reserves memory for `capacity` contacts.
     pub fn new(capacity: usize) -> Self {
         Distribution { contacts: Vec::with_capacity(capacity), forces: Vec::with_capacity(capacity) }
     }
@@ -98,12 +98,12 @@ impl Distribution {
         self.forces.push(Vector3::zeros());
     }
 
-    /// Forces on the robot found last, N, in the order of [`add`](Self::add).
+    /// Forces on the robot from the last solution, N, in the order of [`add`](Self::add).
     pub fn forces(&self) -> &[Vector3<f64>] {
         &self.forces
     }
 
-    /// Finds the forces; returns their sum, which is `desired` if the cones of coefficient
+    /// Computes the forces and returns their sum, which is `desired` if the cones of coefficient
     /// `friction` allow it.
     pub fn solve(&mut self, desired: &Wrench, friction: f64, measure: &Measure) -> Wrench {
         let map = Map {
@@ -113,8 +113,8 @@ impl Distribution {
         let force = map.lift * desired.force;
         let moment = desired.moment / measure.length;
         let w = Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z) / measure.force;
-        if !self.unbounded(&map, &w, friction) {
-            self.bounded(&map, &w, friction);
+        if !self.solve_closed_form(&map, &w, friction) {
+            self.solve_dual(&map, &w, friction);
         }
         for f in &mut self.forces {
             *f *= measure.force;
@@ -132,8 +132,9 @@ impl Distribution {
         sum
     }
 
-    /// The closed form; false if it leaves a cone, or if the contacts cannot produce every wrench.
-    fn unbounded(&mut self, map: &Map, w: &Vector6<f64>, friction: f64) -> bool {
+    /// The closed form. Returns false if it leaves a cone, or if the contacts cannot produce every
+    /// wrench.
+    fn solve_closed_form(&mut self, map: &Map, w: &Vector6<f64>, friction: f64) -> bool {
         let mut gram = Matrix6::zeros();
         for contact in &self.contacts {
             let g = map.columns(&contact.arm);
@@ -165,7 +166,7 @@ impl Distribution {
     }
 
     /// The dual method.
-    fn bounded(&mut self, map: &Map, w: &Vector6<f64>, friction: f64) {
+    fn solve_dual(&mut self, map: &Map, w: &Vector6<f64>, friction: f64) {
         let size = w.norm().max(f64::MIN_POSITIVE);
         let mut y = Vector6::zeros();
         let mut missing = f64::INFINITY;
@@ -177,12 +178,12 @@ impl Distribution {
                 *f = project(&map.field(&y, &contact.arm), &contact.normal, friction).0;
                 rest -= map.wrench(&contact.arm, f);
             }
-            let left = rest.norm() / size;
+            let remaining = rest.norm() / size;
             // Either w is reached, or progress has stopped: w is infeasible.
-            if left <= ROUNDING || (weight == LAST_WEIGHT && left > 0.5 * missing) {
+            if remaining <= ROUNDING || (weight == LAST_WEIGHT && remaining > 0.5 * missing) {
                 return;
             }
-            missing = left;
+            missing = remaining;
         }
     }
 
@@ -288,7 +289,7 @@ fn project(x: &Vector3<f64>, normal: &Vector3<f64>, friction: f64) -> (Vector3<f
     if friction * side <= -up {
         return (Vector3::zeros(), Matrix3::zeros());
     }
-    // The nearest point lies on the edge of the cone in the plane of x and the normal.
+    // The nearest point is on the edge of the cone in the plane of x and the normal.
     let t = tangent / side;
     let slant = (1.0 + friction * friction).sqrt();
     let edge = (normal + t * friction) / slant;

@@ -3,26 +3,27 @@
 //!
 //! ```text
 //! F   = m (kp (c_ref - c) + kd (c_ref' - c') - g)          desired force of the floor on the robot           (1)
-//! N   = I (kp turn(R, R_ref) - kd omega)                   desired moment of it about the centre of mass     (2)
+//! N   = I (kp turn(R, R_ref) - kd omega)                   its desired moment about the centre of mass       (2)
 //! f_i : sum f_i = F, sum (p_i - c) x f_i = N, in the friction cones, of least norm  (see distribution)      (3)
 //! tau = sum (J_c - J_i)^T f_i                              efforts                                           (4)
 //!       + D (kp P(q_ref - q) + kd P(q_ref') - kd q')                                                       (5)
 //! ```
 //!
-//! c centre of mass, R and omega orientation and angular velocity of the base, I the inertia of the
-//! whole about c, p_i the vertices of the soles, J_c and J_i the Jacobians of c and p_i (columns of
-//! the joints), D the diagonal of the mass matrix at the start, P the projection on motions that
-//! move no held quantity ([`super::null_space_motion`]). Source of (1), (3), (4) and of the damping
-//! in (5): [Hyon 2007]. Neither forces nor disturbances are measured, kinematics and dynamics are
-//! not inverted, and damping settles the motions that (1) leaves free. (2) and the springs of (5)
-//! are additions.
+//! c is the centre of mass, R and omega orientation and angular velocity of the base, I the total
+//! inertia about c, p_i the vertices of the soles, J_c and J_i the Jacobians of c and p_i (columns
+//! of the joints), D the diagonal of the mass matrix at the start, P the projection on motions that
+//! change no controlled quantity ([`super::null_space_motion`]).
+//!
+//! Source of (1), (3), (4) and of the damping in (5): [Hyon 2007]. Neither forces nor disturbances
+//! are measured, kinematics and dynamics are not inverted, and damping settles the motions that (1)
+//! leaves free. (2) and the springs of (5) are additions.
 //!
 //! **Why it balances.** Gravity's generalised force is `m J_c^T g`, so (4) with `F = m (f_u - g)`
 //! reads `tau = h + m J_c^T f_u - sum J_i^T f_i` on the joints, h the bias of the robot at rest.
 //! The rows of the base say `0 = h + m J_c^T f_u + (0, N) - sum J_i^T f_i`, which the distribution
 //! (3) fulfils. With `f_u` = 0 and N = 0 efforts and contact forces f_i together are an exact
-//! equilibrium. Where the cones do not allow F and N, (4) is taken with the forces that they do
-//! allow, and stays consistent.
+//! equilibrium. If the cones do not allow F and N, (4) uses the allowed forces and stays
+//! consistent.
 
 use super::distribution::{Distribution, Measure, Wrench};
 use super::null_space_motion::NullSpaceMotion;
@@ -55,14 +56,13 @@ pub struct Settings {
     pub joints: Gains,
     /// Offset of the reference of the centre of mass from its default, world, m.
     pub offset: Vector3<f64>,
-    /// Time in which the reference moves there, s.
+    /// Time in which the reference moves to its default and offset, s.
     pub approach: f64,
     /// Friction coefficient of (3).
     pub friction: f64,
-    /// Distance of the forces of (3) from the edge of the soles, from 0, the edge, to 1, the
-    /// middle.
+    /// Distance of the forces of (3) from the edge of the soles: 0 at the edge, 1 in the middle.
     pub margin: f64,
-    /// True if only vertices in contact at the tick before bear load.
+    /// Whether only vertices in contact at the previous tick bear load.
     pub sensed: bool,
 }
 
@@ -90,7 +90,7 @@ pub struct ForceBalance {
     name: &'static str,
     settings: Settings,
     stance: Stance,
-    split: Distribution,
+    distribution: Distribution,
     null_space: NullSpaceMotion,
     /// Inertia that each joint moves at the start, D.
     inertia: Vec<f64>,
@@ -110,8 +110,8 @@ pub struct ForceBalance {
 }
 
 impl ForceBalance {
-    /// A robot on `soles` (none: it must have a fixed base); `name` appears in messages; `changes`
-    /// by ascending time.
+    /// For a robot on `soles` (none: it must have a fixed base); `name` appears in messages;
+    /// `changes` by ascending time.
     pub fn new(
         name: &'static str,
         model: &Model,
@@ -125,7 +125,7 @@ impl ForceBalance {
         let driven = |j: &usize| !matches!(model.joints[*j].drive.mode, DriveMode::Passive | DriveMode::Kinematic);
         ForceBalance {
             name,
-            split: Distribution::new(vertices),
+            distribution: Distribution::new(vertices),
             null_space: NullSpaceMotion::new(0, &[], 0),
             inertia: vec![0.0; model.nj()],
             joints: (0..model.nj()).filter(driven).map(JointId).collect(),
@@ -144,7 +144,7 @@ impl ForceBalance {
 
     /// Planned contact forces, N, one for each foothold.
     pub fn forces(&self) -> &[Vector3<f64>] {
-        self.split.forces()
+        self.distribution.forces()
     }
 
     /// Points of the planned contact forces.
@@ -162,7 +162,7 @@ impl ForceBalance {
     fn desired(&self, context: &Context) -> Wrench {
         let Settings { com, orientation, .. } = &self.settings;
         let data = context.data;
-        let whole = body::whole(&data.workspace);
+        let inertia = body::total_inertia(&data.workspace);
         let (reference, rate) = self.reference.at(context.time);
         let error = self.stance.centre + reference - data.com;
         let acceleration = error * com.kp + (rate - data.com_velocity) * com.kd - context.gravity;
@@ -172,20 +172,20 @@ impl ForceBalance {
             let spin = turn_to(context.state, &self.orientation) * orientation.kp
                 - Vector3::new(v[3], v[4], v[5]) * orientation.kd;
             let c = data.com - data.workspace.position;
-            // The inertia about O less that of the mass at c.
-            moment = whole.rotate(&spin) - c.cross(&spin.cross(&c)) * whole.mass;
+            // Inertia about c: that about O less that of the mass at c.
+            moment = inertia.rotate(&spin) - c.cross(&spin.cross(&c)) * inertia.mass;
         }
-        Wrench { force: acceleration * whole.mass, moment }
+        Wrench { force: acceleration * inertia.mass, moment }
     }
 
-    /// Equation (3); returns the total force.
+    /// Equation (3). Returns the total force.
     fn distribute(&mut self, context: &Context, desired: &Wrench) -> Vector3<f64> {
         if context.model.nb() == 0 {
             return desired.force;
         }
-        self.split.clear();
+        self.distribution.clear();
         for hold in &self.stance.footholds {
-            self.split.add(hold.point - context.data.com, hold.normal);
+            self.distribution.add(hold.point - context.data.com, hold.normal);
         }
         let weight = context.model.mass() * context.gravity.norm().max(1.0);
         let centre = self.stance.footholds.iter().map(|h| h.point).sum::<Vector3<f64>>()
@@ -193,16 +193,16 @@ impl ForceBalance {
         let reach = self.stance.footholds.iter().map(|h| (h.point - centre).norm_squared()).sum::<f64>()
             / self.stance.footholds.len().max(1) as f64;
         let measure = Measure { force: weight, length: reach.sqrt().max(1e-3), up: upwards(&context.gravity) };
-        self.split.solve(desired, self.settings.friction, &measure).force
+        self.distribution.solve(desired, self.settings.friction, &measure).force
     }
 
-    /// Updates the points shown; without a spring the centre of mass has no desired position.
+    /// Updates the points shown. Without a spring the centre of mass has no desired position.
     fn update_points(&mut self, context: &Context) {
         let com = self.stance.centre + self.reference.at(context.time).0;
         self.points[0].position = (self.settings.com.kp > 0.0).then_some(com);
         let up = upwards(&context.gravity);
         let (mut sum, mut load) = (Vector3::zeros(), 0.0);
-        for (hold, force) in self.stance.footholds.iter().zip(self.split.forces()) {
+        for (hold, force) in self.stance.footholds.iter().zip(self.distribution.forces()) {
             let part = force.dot(&up);
             sum += hold.point * part;
             load += part;
@@ -216,7 +216,7 @@ impl ForceBalance {
         for (effort, column) in self.effort.iter_mut().zip(data.com_jacobian.chunks_exact(3)) {
             *effort = Vector3::from_column_slice(column).dot(total);
         }
-        for (hold, f) in self.stance.footholds.iter().zip(self.split.forces()) {
+        for (hold, f) in self.stance.footholds.iter().zip(self.distribution.forces()) {
             let link = context.model.soles[hold.sole.0].link;
             link_force::accumulate(&data.workspace, link, &hold.point, &-f, &Vector3::zeros(), &mut self.effort);
         }
@@ -266,10 +266,10 @@ impl ForceBalance {
     }
 }
 
-/// Holds the position of a point of a link, and its orientation if `turning`.
-fn hold_link(null_space: &mut NullSpaceMotion, ws: &Workspace, link: LinkId, point: &Vector3<f64>, turning: bool) {
+/// Constrains the position of a point of a link, and the orientation of the link if `oriented`.
+fn hold_link(null_space: &mut NullSpaceMotion, ws: &Workspace, link: LinkId, point: &Vector3<f64>, oriented: bool) {
     let chain = ws.support(link);
-    for axis in 0..if turning { 6 } else { 3 } {
+    for axis in 0..if oriented { 6 } else { 3 } {
         null_space.constrain(|k| {
             if chain.binary_search(&k).is_err() {
                 return 0.0;
@@ -290,19 +290,18 @@ impl Task for ForceBalance {
         for j in 0..nj {
             self.inertia[j] = ws.mass.get(nb + j, nb + j);
         }
-        // Joints that it does not drive stay in place: moving one would cost more than all others
-        // together.
+        // Moving a joint without a drive costs more than all others together, so it stays in place.
         let mut weights = vec![1e6 * self.inertia.iter().fold(0.0, |m: f64, x| m.max(*x)); nj];
         self.joints.iter().for_each(|j| weights[j.0] = self.inertia[j.0]);
         self.null_space = NullSpaceMotion::new(nb, &weights, 6 * self.stance.soles().len() + 6);
         self.start = context.start;
         self.update_stance(context);
-        let now = context.data.com - self.stance.centre;
+        let start = context.data.com - self.stance.centre;
         let up = upwards(&context.gravity);
         let stable = self.stance.stable_point(model, &context.data.workspace, &up) - self.stance.centre;
-        self.reference.begin(now);
-        let goal = up * now.dot(&up) + stable + self.settings.offset;
-        self.reference.add(self.start, self.settings.approach, goal - now);
+        self.reference.begin(start);
+        let goal = up * start.dot(&up) + stable + self.settings.offset;
+        self.reference.add(self.start, self.settings.approach, goal - start);
         self.orientation = context.state.rotation;
         Ok(Status::Running)
     }

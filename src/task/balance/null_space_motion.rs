@@ -6,20 +6,21 @@
 //! ```
 //!
 //! over all velocities v, those of the base at no cost. e is the preferred joint motion, A the
-//! Jacobians of what must not move: the soles, and the centre of mass and the orientation of the
-//! base where they are controlled. In the coordinates `sqrt(w) v` the solution is the orthogonal
-//! projection on the null space of A. An orthonormal basis of the rows comes from the modified
-//! Gram-Schmidt process, applied twice [Bjorck 1996, section 2.4]; dependent rows drop out.
+//! Jacobians of the quantities that must not move: the soles, and the centre of mass and the
+//! orientation of the base if they are controlled. In the coordinates `sqrt(w) v` the solution is
+//! the orthogonal projection on the null space of A. An orthonormal basis of the rows comes from
+//! the modified Gram-Schmidt process, applied twice [Bjorck 1996, section 2.4]; dependent rows are
+//! dropped.
 //!
 //! With w the joints' inertias, an effort `w k v` of the result does no work on any motion that
 //! keeps the soles in place and is orthogonal, in that metric, to the null space: it cannot
 //! displace the controlled centre of mass.
 
-/// A row that shrinks below this part of its norm when the earlier rows are removed depends on
+/// A row that shrinks below this fraction of its norm when the earlier rows are removed depends on
 /// them.
 const DEPENDENT: f64 = 1e-9;
-/// Cost of moving the base relative to joints of unit weight. Ideally 0; the result is off by about
-/// this.
+/// Cost of moving the base relative to joints of unit weight. Ideally 0; the error of the result is
+/// of this order.
 const FREE: f64 = 1e-8;
 
 /// Projector on the null space, with scratch for one robot.
@@ -34,8 +35,7 @@ pub struct NullSpaceMotion {
 }
 
 impl NullSpaceMotion {
-    /// For up to `rows` constraints on `nb` base velocities and joints of these weights (above
-    /// zero).
+    /// For up to `rows` constraints on `nb` base velocities and joints with `weights` above zero.
     pub fn new(nb: usize, weights: &[f64], rows: usize) -> Self {
         let mean = weights.iter().sum::<f64>() / weights.len().max(1) as f64;
         let base = std::iter::repeat_n((FREE * mean).sqrt(), nb);

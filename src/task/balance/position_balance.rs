@@ -2,23 +2,24 @@
 //!
 //! ```text
 //! e = r - c,   d = r - p                      r reference, c centre of mass, p zero-moment point, as sensed; horizontal
-//! w' = k_i e + k_z d  while all soles are flat    k_i: back to the reference;  k_z: lean until the load is back over it
+//! w' = k_i e + k_z d  while all soles are flat    k_i: return to the reference;  k_z: lean until the load is over it
 //! u = w + k_p e - k_d c'                      |u|, |w| <= reach per axis
 //! dq = z + W J^T (J W J^T + mu 1)^-1 (x - J z),   J = [J_soles; J_com,xy],   x = [0; r + u - c_plan],   z = k_q (q_0 - q) dt
 //! ```
 //!
 //! The commanded posture q of the plan keeps the soles in place and the centre of mass at r + u.
-//! Joints that this leaves free return to their initial posture q_0, and W weighs the joints'
-//! shares. r lies above the point of optimal stability of the soles' common hull, carried along
-//! with the soles. At rest d = e, so either integral brings the sensed centre of mass to r whatever
-//! the servos' sag; under a lasting push only d shows how far to lean.
+//! Joints that this leaves free return to their initial posture q_0, and W weights the joints'
+//! shares. r is above the point of optimal stability of the soles' common hull and moves with the
+//! soles; the point of whole soles moves a robot on its toes back over its feet. While a sole is on
+//! an edge w is constant: the position of the load is unknown. At rest d = e, so either integral brings the sensed centre of mass to r regardless of the
+//! servos' sag. Under a lasting push only d shows how far to lean.
 //!
 //! An accelerated centre of mass first moves the zero-moment point the wrong way, p = c - c'' h/g.
 //! k_z therefore has to stay well below sqrt(g/h): by default it is at most a third of that, and
 //! k_d at least 3.6 1/s times h/g.
 //!
-//! Sources: [Sugihara 2002] (the centre of mass resolved by its Jacobian, feet kept); [Hale 2008],
-//! section II.B (centre-of-mass feedback of position-actuated robots).
+//! Sources: [Sugihara 2002] (the centre of mass resolved by its Jacobian, with fixed feet); [Hale
+//! 2008], section II.B (centre-of-mass feedback of position-actuated robots).
 
 use super::reference_trajectory::ReferenceTrajectory;
 use crate::geometry::{convex_hull, stable_point};
@@ -28,7 +29,7 @@ use crate::task::kinematic::{Goal, InverseKinematics, PlannedRobot, Unknowns, fe
 use crate::task::{Command, Context, Needs, PointOfInterest, Status, Task, TaskResult, has_elapsed};
 use nalgebra::{Vector2, Vector3};
 
-/// Default k_z as a part of sqrt(g/h), the rate of the robot as an inverted pendulum, and its
+/// Default k_z as a fraction of sqrt(g/h), the rate of the robot as an inverted pendulum, and its
 /// maximum, 1/s. HOAP-2 has 6 1/s, robots of human size 3.5 1/s.
 const LEANING: (f64, f64) = (1.0 / 3.0, 2.0);
 /// Default k_d over h/g, 1/s, and its minimum, s.
@@ -37,15 +38,15 @@ const DAMPING: (f64, f64) = (3.6, 0.1);
 /// Settings of the task.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// Length, s; may be infinite.
+    /// Duration, s; may be infinite.
     pub duration: f64,
     /// k_p, m per m.
     pub proportional: f64,
-    /// k_d, s; none: 0.1, or `DAMPING` times h/g if that is more.
+    /// k_d, s; none: `DAMPING` times h/g, at least 0.1.
     pub damping: Option<f64>,
     /// k_i, 1/s.
     pub integral: f64,
-    /// k_z, 1/s; none: 2, or `LEANING` times sqrt(g/h) if that is less.
+    /// k_z, 1/s; none: `LEANING` times sqrt(g/h), at most 2.
     pub leaning: Option<f64>,
     /// Greatest displacement u per axis, m.
     pub reach: f64,
@@ -57,7 +58,7 @@ pub struct Settings {
     pub offset: Vector2<f64>,
     /// W of each joint.
     pub mobility: Vec<f64>,
-    /// True if joints get efforts against gravity in addition to positions.
+    /// Whether joints get efforts against gravity in addition to positions.
     pub feed_forward: bool,
 }
 
@@ -76,7 +77,7 @@ pub struct Change {
     pub posture: Option<f64>,
     /// Displacement of r from its default, world axes, m.
     pub offset: Option<Vector2<f64>>,
-    /// Time in which r moves there, and at later changes, s.
+    /// Time in which r moves there, also for later changes, s.
     pub approach: Option<f64>,
 }
 
@@ -96,27 +97,28 @@ pub struct PositionBalance {
     hull: Vec<Vector3<f64>>,
     edges: Vec<stable_point::Edge>,
     started: f64,
-    before: f64,
+    /// Time of the last tick, s.
+    last_tick: f64,
     posture: Vec<f64>,
     /// r relative to the mean of the soles, starting at the planned centre of mass.
     reference: ReferenceTrajectory<2>,
     /// Times of the changes, s, and their values.
     times: Vec<f64>,
     changes: Vec<Change>,
-    /// True if it ever reads the zero-moment point.
-    leans: bool,
+    /// Whether it ever reads the zero-moment point.
+    reads_zmp: bool,
     /// Time in which the control takes full effect, s.
     rise: f64,
-    /// w.
-    memory: Vector2<f64>,
+    /// The integral w.
+    integral: Vector2<f64>,
     /// Desired centre of mass, r at the height of the plan, and desired zero-moment point, r on the
     /// ground.
     points: [PointOfInterest; 2],
 }
 
 impl PositionBalance {
-    /// For a robot that [`planned_robot::check`] accepts, on these soles, at least one; `changes`
-    /// by ascending time.
+    /// For a robot that [`planned_robot::check`] accepts, on one or more `soles`; `changes` by
+    /// ascending time.
     pub fn new(model: &Model, soles: Vec<SoleId>, settings: Settings, changes: Vec<(f64, Change)>) -> Self {
         let (times, changes): (Vec<f64>, Vec<Change>) = changes.into_iter().unzip();
         let leans = |leaning: Option<f64>| leaning != Some(0.0);
@@ -132,14 +134,14 @@ impl PositionBalance {
             hull: Vec::with_capacity(3 * points + 2),
             edges: Vec::with_capacity(2 * points),
             started: 0.0,
-            before: 0.0,
+            last_tick: 0.0,
             posture: model.home.clone(),
             reference: ReferenceTrajectory::new(1 + changes.len()),
-            leans: leans(settings.leaning) || changes.iter().any(|c| c.leaning.is_some() && leans(c.leaning)),
+            reads_zmp: leans(settings.leaning) || changes.iter().any(|c| c.leaning.is_some() && leans(c.leaning)),
             rise: settings.approach,
             times,
             changes,
-            memory: Vector2::zeros(),
+            integral: Vector2::zeros(),
             damping: settings.damping.unwrap_or(0.0),
             leaning: settings.leaning.unwrap_or(0.0),
             settings,
@@ -180,7 +182,7 @@ impl Task for PositionBalance {
         self.planned.stand_as_commanded(context, command);
         self.goal = self.planned.goal();
         self.posture.copy_from_slice(&command.position);
-        (self.started, self.before) = (context.start, context.time);
+        (self.started, self.last_tick) = (context.start, context.time);
         let height = (self.planned.com().z - self.planned.support().z).max(f64::MIN_POSITIVE);
         let rate = (context.gravity.norm() / height).sqrt();
         self.leaning = self.settings.leaning.unwrap_or((LEANING.0 * rate).min(LEANING.1));
@@ -191,29 +193,29 @@ impl Task for PositionBalance {
         self.reference.begin(from);
         let goal = self.find_reference(context) - support + self.settings.offset;
         self.reference.add(self.started, self.settings.approach, goal - from);
-        self.memory = Vector2::zeros();
+        self.integral = Vector2::zeros();
         Ok(Status::Running)
     }
 
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         let s = &self.settings;
         let t = context.time - self.started;
-        let period = context.time - self.before;
-        self.before = context.time;
+        let period = context.time - self.last_tick;
+        self.last_tick = context.time;
         let progress = minimum_jerk(t, self.rise).0;
         let desired = self.reference.at(context.time).0;
         let here = self.sensed_support(context);
         let error = desired - (context.data.com.xy() - here);
         let load = context.data.zmp.map_or(Vector2::zeros(), |p| desired - (p.xy() - here));
-        // While a sole stands on its edge the load position is unknown; an integral taken then
-        // would be wrong once it is flat.
+        // While a sole stands on its edge the position of the load is unknown, and an integral over
+        // it would be wrong once the sole is flat.
         let flat = self.soles.iter().all(|s| context.sensed.soles[s.0].clamped.iter().all(|c| *c));
         if flat {
-            self.memory += (error * s.integral + load * self.leaning) * (period * progress);
+            self.integral += (error * s.integral + load * self.leaning) * (period * progress);
         }
-        self.memory = self.memory.map(|x| x.clamp(-s.reach, s.reach));
-        let reply = error * s.proportional - context.data.com_velocity.xy() * self.damping;
-        let displacement = (self.memory + reply * progress).map(|x| x.clamp(-s.reach, s.reach));
+        self.integral = self.integral.map(|x| x.clamp(-s.reach, s.reach));
+        let feedback = error * s.proportional - context.data.com_velocity.xy() * self.damping;
+        let displacement = (self.integral + feedback * progress).map(|x| x.clamp(-s.reach, s.reach));
         let (com, ground) = (here + desired, self.ground(context));
         self.points[0].position = Some(Vector3::new(com.x, com.y, self.planned.com().z));
         self.points[1].position = Some(Vector3::new(com.x, com.y, ground));
@@ -273,7 +275,7 @@ impl Task for PositionBalance {
         if let Some(newer) = crate::task::of_type::<Self>(newer) {
             self.times = newer.times;
             self.changes = newer.changes;
-            self.leans |= newer.leans;
+            self.reads_zmp |= newer.reads_zmp;
         }
     }
 
@@ -282,7 +284,7 @@ impl Task for PositionBalance {
     }
 
     fn needs(&self) -> Needs {
-        Needs::COM | Needs::SOLES | if self.leans { Needs::ZMP } else { Needs::LOADS }
+        Needs::COM | Needs::SOLES | if self.reads_zmp { Needs::ZMP } else { Needs::LOADS }
     }
 
     fn is_temporary(&self) -> bool {

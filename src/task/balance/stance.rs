@@ -1,15 +1,15 @@
-//! The sole vertices that a robot stands on, from its own kinematics.
+//! The sole vertices that a robot stands on, from its kinematics.
 
 use crate::dynamics::{State, Workspace};
 use crate::geometry::{Plane, convex_hull, stable_point};
 use crate::robot::{Model, SoleId};
-use crate::task::Sensed;
+use crate::task::SensorReadings;
 use nalgebra::{Rotation3, Vector3};
 
 /// One vertex that may bear load.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Foothold {
-    /// Its sole.
+    /// The sole.
     pub sole: SoleId,
     /// Point of contact forces, world, m.
     pub point: Vector3<f64>,
@@ -40,14 +40,21 @@ impl Stance {
     }
 
     /// Updates the vertices to the kinematics `ws`, moved towards the middle of their sole by the
-    /// part `margin` of their distance from it. With `sensed` only vertices in contact count. `up`
-    /// is the normal of soles that have none.
-    pub fn update(&mut self, model: &Model, ws: &Workspace, margin: f64, sensed: Option<&Sensed>, up: &Vector3<f64>) {
+    /// fraction `margin` of their distance from it. With `sensed` only vertices in contact count.
+    /// `up` is the normal of soles without area.
+    pub fn update(
+        &mut self,
+        model: &Model,
+        ws: &Workspace,
+        margin: f64,
+        sensed: Option<&SensorReadings>,
+        up: &Vector3<f64>,
+    ) {
         self.footholds.clear();
         let (mut sum, mut count) = (Vector3::zeros(), 0.0);
         for &id in &self.soles {
             let sole = &model.soles[id.0];
-            let middle = sole.vertices.iter().sum::<Vector3<f64>>() / sole.vertices.len() as f64;
+            let middle = sole.centroid();
             let area = ws.links[sole.link.0].rotation * area(&sole.vertices, &middle);
             let normal = if area.norm() > 0.0 { area.normalize() * area.dot(up).signum() } else { *up };
             for (i, vertex) in sole.vertices.iter().enumerate() {
@@ -81,7 +88,7 @@ fn area(vertices: &[Vector3<f64>], middle: &Vector3<f64>) -> Vector3<f64> {
     (0..n).map(|i| (vertices[i] - middle).cross(&(vertices[(i + 1) % n] - middle))).sum()
 }
 
-/// Unit vector against gravity; the world's z axis without any.
+/// Unit vector against gravity; the world's z axis without gravity.
 pub fn upwards(gravity: &Vector3<f64>) -> Vector3<f64> {
     gravity.try_normalize(0.0).map_or(Vector3::z(), |g| -g)
 }

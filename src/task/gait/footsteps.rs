@@ -7,14 +7,14 @@
 //! ```
 //!
 //! with S the step time and d the time of double support. Footfall i (1 to n) of a walk with step
-//! length L lands `i L` ahead of the initial position of its pair of feet, the last one level with
-//! the other foot at `(n - 1) L`; L = 0 steps in place. The swinging foot moves along
+//! length L lands `i L` ahead of the initial position of the feet, the last one next to the other
+//! foot at `(n - 1) L`; L = 0 steps in place. The swinging foot moves along
 //!
 //! ```text
 //! p(s) = p0 + (p1 - p0) (10 s^3 - 15 s^4 + 6 s^5),     z(s) = z0 + (z1 - z0) (same) + H 64 s^3 (1 - s)^3
 //! ```
 //!
-//! which lifts off and lands without velocity or acceleration and clears the floor by H at half the
+//! which lifts off and lands without velocity or acceleration and is H above the floor at half the
 //! swing. The zero-moment point rests under the standing foot's centroid and moves across in double
 //! support along the same quintic.
 
@@ -42,7 +42,7 @@ pub struct Stride {
 
 /// One footfall.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Fall {
+struct Footfall {
     foot: usize,
     from: Vector3<f64>,
     to: Vector3<f64>,
@@ -54,26 +54,26 @@ pub struct Footsteps {
     stride: Stride,
     start: [Vector3<f64>; 2],
     /// Footfalls that begin before the end of the plan.
-    falls: Vec<Fall>,
+    footfalls: Vec<Footfall>,
 }
 
 impl Footsteps {
-    /// Soles whose centroids are at `start` (m), walking along the unit vector `ahead`. The plan is
-    /// evaluated up to `until` seconds only.
+    /// A walk of soles with centroids at `start` (m) along the unit vector `ahead`, planned up to
+    /// `until` seconds.
     pub fn new(stride: Stride, start: [Vector3<f64>; 2], ahead: Vector3<f64>, until: f64) -> Self {
         let mut positions = start;
         // The step in progress at the end and the one after it.
         let begun = ((until - stride.wait).max(0.0) / stride.time).ceil() as usize;
         let known = stride.steps.min(begun.saturating_add(2));
-        let mut falls = Vec::with_capacity(known);
+        let mut footfalls = Vec::with_capacity(known);
         for i in 1..=known {
             let foot = (stride.first + i - 1) % 2;
             let advance = if i == stride.steps { i - 1 } else { i };
             let to = start[foot] + ahead * (advance as f64 * stride.length);
-            falls.push(Fall { foot, from: positions[foot], to });
+            footfalls.push(Footfall { foot, from: positions[foot], to });
             positions[foot] = to;
         }
-        Footsteps { stride, start, falls }
+        Footsteps { stride, start, footfalls }
     }
 
     /// Duration of the walk, s.
@@ -86,7 +86,7 @@ impl Footsteps {
     fn step(&self, t: f64) -> Option<(usize, f64)> {
         let since = t - self.stride.wait;
         let i = (since / self.stride.time).floor();
-        (since >= 0.0 && i < self.falls.len() as f64).then_some((i as usize, since - i * self.stride.time))
+        (since >= 0.0 && i < self.footfalls.len() as f64).then_some((i as usize, since - i * self.stride.time))
     }
 
     /// Position (m) and velocity (m/s) of a sole's centroid.
@@ -94,18 +94,18 @@ impl Footsteps {
         let (current, since) = match self.step(t) {
             Some((i, since)) => (i, since),
             None if t < self.stride.wait => return (self.start[foot], Vector3::zeros()),
-            None => (self.falls.len(), 0.0),
+            None => (self.footfalls.len(), 0.0),
         };
-        if let Some(fall) = self.falls.get(current).filter(|f| f.foot == foot) {
+        if let Some(fall) = self.footfalls.get(current).filter(|f| f.foot == foot) {
             let (s, swing) = (since - self.stride.double_support, self.stride.time - self.stride.double_support);
             let (progress, rate) = minimum_jerk(s, swing);
             let u = (s / swing).clamp(0.0, 1.0);
             let lift = Vector3::z() * (self.stride.height * 64.0 * (u * (1.0 - u)).powi(3));
             let rise = self.stride.height * 192.0 * (u * (1.0 - u)).powi(2) * (1.0 - 2.0 * u) / swing;
-            let way = fall.to - fall.from;
-            return (fall.from + way * progress + lift, way * rate + Vector3::z() * rise);
+            let shift = fall.to - fall.from;
+            return (fall.from + shift * progress + lift, shift * rate + Vector3::z() * rise);
         }
-        let landed = self.falls[..current].iter().rev().find(|f| f.foot == foot);
+        let landed = self.footfalls[..current].iter().rev().find(|f| f.foot == foot);
         (landed.map_or(self.start[foot], |f| f.to), Vector3::zeros())
     }
 
@@ -114,9 +114,9 @@ impl Footsteps {
         let begun = match self.step(t) {
             Some((i, _)) => i + 1,
             None if t < self.stride.wait => 0,
-            None => self.falls.len(),
+            None => self.footfalls.len(),
         };
-        self.falls[..begun].iter().rev().find(|f| f.foot == foot).map_or(self.start[foot], |f| f.to)
+        self.footfalls[..begun].iter().rev().find(|f| f.foot == foot).map_or(self.start[foot], |f| f.to)
     }
 
     /// Reference of the zero-moment point, m.
@@ -124,16 +124,16 @@ impl Footsteps {
         let both = |t: f64| (self.sole(0, t).0.xy() + self.sole(1, t).0.xy()) / 2.0;
         let start = |i: usize| self.stride.wait + i as f64 * self.stride.time;
         // Under the standing foot of step i; between the feet before the first and after the last.
-        let target = |i: Option<usize>| match i.and_then(|i| Some((i, self.falls.get(i)?))) {
+        let target = |i: Option<usize>| match i.and_then(|i| Some((i, self.footfalls.get(i)?))) {
             Some((i, fall)) => self.sole(1 - fall.foot, start(i)).0.xy(),
-            None if i == Some(self.falls.len()) => both(start(self.falls.len())),
+            None if i == Some(self.footfalls.len()) => both(start(self.footfalls.len())),
             None => both(0.0),
         };
-        let end = start(self.falls.len());
+        let end = start(self.footfalls.len());
         let (current, since) = match self.step(t) {
             Some(step) => step,
             None if t < end => return target(None),
-            None => (self.falls.len(), t - end),
+            None => (self.footfalls.len(), t - end),
         };
         let (from, to) = (target(current.checked_sub(1)), target(Some(current)));
         let progress =

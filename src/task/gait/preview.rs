@@ -18,8 +18,8 @@
 //!
 //! Sources: [Kajita 2003, equations 11 to 15]; the gains after [Katayama 1985].
 //!
-//! Symbols: c centre of mass in one horizontal direction, p zero-moment point, h its height over
-//! the floor, g gravity.
+//! Symbols: c is the centre of mass in one horizontal direction, h its height above the floor, p
+//! the zero-moment point, g gravity.
 
 use crate::linalg::riccati;
 use nalgebra::{Matrix3, Matrix4, RowVector3, Vector3, Vector4};
@@ -70,22 +70,22 @@ impl Preview {
         let (lag, t) = (height / gravity, period);
         let (a, b, c) = cart_table(lag, t);
         let (ca, cb) = (c * a, (c * b)[0]);
-        let mut wide = Matrix4::zeros();
-        wide[(0, 0)] = 1.0;
-        wide.fixed_view_mut::<1, 3>(0, 1).copy_from(&ca);
-        wide.fixed_view_mut::<3, 3>(1, 1).copy_from(&a);
+        let mut augmented = Matrix4::zeros();
+        augmented[(0, 0)] = 1.0;
+        augmented.fixed_view_mut::<1, 3>(0, 1).copy_from(&ca);
+        augmented.fixed_view_mut::<3, 3>(1, 1).copy_from(&a);
         let input = Vector4::new(cb, b[0], b[1], b[2]);
         let mut q = Matrix4::zeros();
         q[(0, 0)] = 1.0;
-        let riccati = riccati::solve(&wide, &input, &q, JERK_WEIGHT)?;
-        let gain = riccati::gain(&wide, &input, JERK_WEIGHT, &riccati.p);
-        let closed = wide - input * gain.transpose();
+        let riccati = riccati::solve(&augmented, &input, &q, JERK_WEIGHT)?;
+        let gain = riccati::gain(&augmented, &input, JERK_WEIGHT, &riccati.p);
+        let closed = augmented - input * gain.transpose();
         let scale = JERK_WEIGHT + (input.transpose() * riccati.p * input)[0];
-        let mut seen: Vector4<f64> = -riccati.p.column(0);
+        let mut column: Vector4<f64> = -riccati.p.column(0);
         let preview = (0..(horizon / t).round() as usize).map(|_| {
-            let now = input.dot(&seen) / scale;
-            seen = closed.transpose() * seen;
-            now
+            let gain = input.dot(&column) / scale;
+            column = closed.transpose() * column;
+            gain
         });
         Some(Preview {
             period,
@@ -106,7 +106,7 @@ impl Preview {
     /// continues indefinitely.
     pub fn follow(&self, reference: &[f64], count: usize) -> Vec<Sample> {
         let (Some(first), Some(last)) = (reference.first(), reference.last()) else { return Vec::new() };
-        // Relative to the start, so that cutting the preview off at the horizon has no effect at
+        // Relative to the start, so that truncating the preview at the horizon has no effect at
         // rest.
         let target = |k: usize| reference.get(k).unwrap_or(last) - first;
         let (mut x, mut sum) = (Vector3::zeros(), 0.0);

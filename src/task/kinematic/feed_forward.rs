@@ -1,7 +1,7 @@
-//! Feed-forward efforts of a planned motion, so that servos hold it without sagging.
+//! Feed-forward efforts of a planned motion, so that servos do not sag.
 //!
-//! The robot is assumed to move as a whole with the acceleration c'' of its centre of mass. In a
-//! frame that moves along it is at rest under `g - c''`, and the floor carries it by
+//! The whole robot is assumed to accelerate with its centre of mass, c''. In a frame that moves
+//! with it the robot is at rest under `g - c''`, and the floor carries it by
 //!
 //! ```text
 //! f = -m (g - c''),   f_s = a_s f at x_s,   sum a_s = 1,   sum a_s x_s = z
@@ -9,17 +9,16 @@
 //! ```
 //!
 //! with z the zero-moment point of the plan, h the bias forces, x_s the centroid of sole s shifted
-//! by the part of z off the line of centroids, and the shares a_s in proportion to the position of
-//! z along that line. A robot with another number of soles than two is assumed to share evenly.
+//! by the offset of z from the line of centroids, and the shares a_s in proportion to the position
+//! of z along that line. Soles of a robot with one or more than two are assumed to share evenly.
 
 use super::PlannedRobot;
 use crate::dynamics::{jacobian, rnea};
 use crate::robot::Model;
 use nalgebra::{Vector2, Vector3};
 
-/// Writes the joints' part of tau (N m or N, one per joint) to `out`. `zmp` in world axes, m;
-/// `acceleration` is c'', `gravity` free fall, m/s^2. The plan's kinematics must be those of its
-/// state.
+/// Writes the joint efforts tau (N m or N) to `out`. `zmp` in world axes, m; `acceleration` is c'',
+/// m/s^2. The plan's kinematics must be those of its state.
 pub fn efforts(
     model: &Model,
     planned: &mut PlannedRobot,
@@ -28,11 +27,11 @@ pub fn efforts(
     zmp: &Vector2<f64>,
     out: &mut [f64],
 ) {
-    let felt = gravity - acceleration;
-    rnea::bias(model, &mut planned.ws, &felt);
+    let apparent = gravity - acceleration;
+    rnea::bias(&mut planned.ws, &apparent);
     let nb = model.nb();
     out.copy_from_slice(&planned.ws.bias[nb..]);
-    let force = felt * -model.mass();
+    let force = apparent * -model.mass();
     let feet = planned.feet.len();
     let position = |s: usize| planned.sole(s).translation.vector;
     let along = if feet == 2 {

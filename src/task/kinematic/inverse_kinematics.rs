@@ -7,7 +7,7 @@
 //! ```
 //!
 //! with J = -de/dv over the base's six velocities and the joints used, W the mobilities of these
-//! velocities, z a preferred motion (only its part in the goal's null space survives) and mu a
+//! velocities, z a preferred motion (only its component in the goal's null space remains) and mu a
 //! damping that vanishes with the error, so that the iteration is Newton's near the goal and
 //! bounded far from it. Sources: [Nakamura 1986, equation 21] (damping), [Sugihara 2011, equation
 //! 19] (damping by the error).
@@ -39,29 +39,29 @@ pub struct Unknowns {
     pub mobility: Vec<f64>,
     /// Axes of the centre of mass that count: 3, or 2 for the horizontal ones.
     pub com_axes: usize,
-    /// True if the root's orientation counts.
+    /// Whether the root's orientation counts.
     pub root: bool,
 }
 
-/// Why a goal was not reached.
+/// Error when a goal cannot be reached.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unreachable {
     /// Too far for the legs.
-    #[error("the legs do not reach the goal: {error:.3e} m or rad are left")]
+    #[error("the legs do not reach the goal: the remaining error is {error:.3e} m or rad")]
     TooFar {
         /// Greatest remaining error.
         error: f64,
     },
     /// A joint would leave its range.
-    #[error("`{joint}` would have to go to {position:.4}, its range is {lower:.4} to {upper:.4}")]
+    #[error("joint `{joint}` would need position {position:.4}, its range is {lower:.4} to {upper:.4}")]
     Limit {
         /// The joint.
         joint: String,
         /// Position it would need, rad or m.
         position: f64,
-        /// Its range.
+        /// Lower end of its range.
         lower: f64,
-        /// Its range.
+        /// Upper end of its range.
         upper: f64,
     },
 }
@@ -113,7 +113,7 @@ impl InverseKinematics {
         }
     }
 
-    /// Uses the leg joints alone, equally mobile, and all of the goal.
+    /// Uses only the leg joints, equally mobile, and the whole goal.
     pub fn of_legs(model: &Model, planned: &PlannedRobot) -> Self {
         let mut mobility = vec![0.0; model.nj()];
         super::planned_robot::leg_joints(model).into_iter().for_each(|j| mobility[j] = 1.0);
@@ -137,35 +137,35 @@ impl InverseKinematics {
         rates: &Rates,
     ) -> Result<(), Unreachable> {
         planned.update(model);
-        let mut left = self.residual(planned, goal);
+        let mut error = self.residual(planned, goal);
         for _ in 0..MOST_STEPS {
-            if left < CLOSE {
+            if error < CLOSE {
                 self.check_limits(model, planned)?;
                 self.follow(model, planned, rates);
                 return Ok(());
             }
             self.assemble(model, planned);
-            self.step(DAMPING.0 * left * left);
+            self.step(DAMPING.0 * error * error);
             let longest = self.motion.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
             let part = (LONGEST / longest).min(1.0);
             self.motion.iter_mut().for_each(|x| *x *= part);
             planned.state.displace(&self.motion);
             planned.update(model);
-            left = self.residual(planned, goal);
+            error = self.residual(planned, goal);
         }
-        Err(Unreachable::TooFar { error: left })
+        Err(Unreachable::TooFar { error })
     }
 
     /// Takes one step towards the goal within `period` seconds, without iteration: the remaining
-    /// error is of the square of the step. Joints stop at their limits and the others take over.
+    /// error is of second order in the step. Joints stop at their limits and the others compensate.
     /// The plan's velocity is that of the step.
     pub fn advance(&mut self, model: &Model, planned: &mut PlannedRobot, goal: &Goal, period: f64) {
         planned.update(model);
         self.assemble(model, planned);
         self.locked.fill(false);
         for _ in 0..MOST_LOCKED {
-            let left = self.residual(planned, goal);
-            self.step(DAMPING.0 * left * left);
+            let error = self.residual(planned, goal);
+            self.step(DAMPING.0 * error * error);
             if !self.lock(model, planned) {
                 break;
             }
@@ -173,14 +173,15 @@ impl InverseKinematics {
         self.locked.fill(false);
         planned.state.displace(&self.motion);
         for (joint, q) in model.joints.iter().zip(&mut planned.state.joints) {
-            // Beyond its limit by rounding, or because too many other joints are at theirs.
+            // A joint may exceed its limit by rounding, or if too many others are at their limits.
             *q = q.max(joint.lower).min(joint.upper);
         }
         planned.state.v.iter_mut().zip(&self.motion).for_each(|(v, d)| *v = d / period);
         planned.update(model);
     }
 
-    /// Locks joints that the motion takes beyond a limit at the limit; true if there are any.
+    /// Locks joints that the motion takes beyond a limit at that limit. Returns whether there are
+    /// any.
     fn lock(&mut self, model: &Model, planned: &PlannedRobot) -> bool {
         let nb = model.nb();
         let mut any = false;
@@ -207,7 +208,7 @@ impl InverseKinematics {
     /// Checks that all joints used are within their ranges.
     ///
     /// # Errors
-    /// The first that is not.
+    /// The first joint that is not.
     pub fn check_limits(&self, model: &Model, planned: &PlannedRobot) -> Result<(), Unreachable> {
         let outside = |&j: &usize| {
             let (joint, q) = (&model.joints[j], planned.state.joints[j]);
@@ -227,7 +228,7 @@ impl InverseKinematics {
         }
     }
 
-    /// Fills the error and returns its greatest component.
+    /// Computes the error and returns its greatest component.
     fn residual(&mut self, planned: &PlannedRobot, goal: &Goal) -> f64 {
         let turn = |to: &UnitQuaternion<f64>, from: &UnitQuaternion<f64>| (to * from.inverse()).scaled_axis();
         let apart = |to: &Isometry3<f64>, from: &Isometry3<f64>| {

@@ -1,8 +1,8 @@
 //! Whole-body inverse kinematics for tasks that plan positions.
 //!
-//! A task keeps a [`PlannedRobot`], a state and workspace of its own. [`InverseKinematics`] moves
-//! it until its soles, centre of mass and root meet the task's [`Goal`]. Nothing here allocates
-//! after `new`.
+//! A task has a [`PlannedRobot`] with its own state and workspace. [`InverseKinematics`] moves it
+//! until its soles, centre of mass and root meet the task's [`Goal`]. Nothing here allocates after
+//! `new`.
 
 pub mod feed_forward;
 pub mod goal;

@@ -6,7 +6,7 @@ use crate::robot::{Base, DriveMode, LinkId, Model, SoleId};
 use crate::task::{Command, Context};
 use nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
 
-/// Why a robot cannot be planned by its soles and centre of mass.
+/// Error when a robot cannot be planned by its soles and centre of mass.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NotPlannable {
     /// The base is fixed.
@@ -16,28 +16,28 @@ pub enum NotPlannable {
     #[error("the robot `{0}` has no sole")]
     NoSole(String),
     /// The task requires two feet on separate legs.
-    #[error("the robot `{robot}` has {soles} soles, not 2 on legs of their own")]
+    #[error("the robot `{robot}` has {soles} soles; the task requires 2, on separate legs")]
     NotTwoFeet {
-        /// Its name.
+        /// Name of the robot.
         robot: String,
-        /// Its soles.
+        /// Number of its soles.
         soles: usize,
     },
     /// A joint that must follow positions does not.
-    #[error("the joint `{0}` does not follow positions: its drive has another mode than `position`")]
+    #[error("the joint `{0}` does not follow positions: the mode of its drive is not `position` or `kinematic`")]
     NotDriven(String),
 }
 
 /// A sole as a target of inverse kinematics.
 #[derive(Clone, Debug)]
 pub struct Foot {
-    /// Its number in the model.
+    /// Index of the sole in the model.
     pub sole: SoleId,
     /// The link that carries it.
     pub link: LinkId,
     /// Centroid of its vertices in the link's internal frame, m.
     pub center: Vector3<f64>,
-    /// True if its orientation counts: it has more than one vertex.
+    /// Whether its orientation counts: it has more than one vertex.
     pub flat: bool,
 }
 
@@ -52,8 +52,8 @@ pub struct PlannedRobot {
     pub feet: Vec<Foot>,
 }
 
-/// Joints that move some sole, but not all of several: the legs. Joints that carry all soles alike
-/// (a waist above the legs of a robot whose root is its torso) are not among them.
+/// Leg joints: those that move some sole, but not all of several. Joints that carry all soles (a
+/// waist above the legs of a robot whose root is its torso) do not count.
 pub fn leg_joints(model: &Model) -> Vec<usize> {
     let ws = Workspace::new(model);
     let nb = model.nb();
@@ -84,21 +84,22 @@ pub fn check(model: &Model) -> Result<(), NotPlannable> {
     Ok(())
 }
 
-/// Checks for two soles, each moved by joints of its own.
+/// Checks for two soles on separate legs.
 ///
 /// # Errors
-/// As [`check`], and any other number.
+/// As [`check`], or another number of legs.
 pub fn check_biped(model: &Model) -> Result<(), NotPlannable> {
     check(model)?;
-    let apart = model.soles.len() == 2 && model.soles[0].link != model.soles[1].link;
-    let failure = || NotPlannable::NotTwoFeet { robot: model.name.clone(), soles: model.soles.len() };
-    apart.then_some(()).ok_or_else(failure)
+    if model.soles.len() != 2 || model.soles[0].link == model.soles[1].link {
+        return Err(NotPlannable::NotTwoFeet { robot: model.name.clone(), soles: model.soles.len() });
+    }
+    Ok(())
 }
 
 /// Checks that the joints of a command follow positions.
 ///
 /// # Errors
-/// The first that does not.
+/// The first joint that does not.
 pub fn check_driven(model: &Model, command: &Command, joints: &[usize]) -> Result<(), NotPlannable> {
     let idle = |j: &&usize| !matches!(command.mode[**j], DriveMode::Position | DriveMode::Kinematic);
     match joints.iter().find(idle) {
@@ -118,8 +119,7 @@ impl PlannedRobot {
     pub fn on(model: &Model, soles: &[SoleId]) -> Self {
         let foot = |&id: &SoleId| {
             let sole = &model.soles[id.0];
-            let center = sole.vertices.iter().sum::<Vector3<f64>>() / sole.vertices.len() as f64;
-            Foot { sole: id, link: sole.link, center, flat: sole.vertices.len() > 1 }
+            Foot { sole: id, link: sole.link, center: sole.centroid(), flat: sole.vertices.len() > 1 }
         };
         let feet = soles.iter().map(foot).collect();
         PlannedRobot { state: State::home(model), ws: Workspace::new(model), feet }
@@ -131,7 +131,7 @@ impl PlannedRobot {
     }
 
     /// Sets the plan to rest, with the joints at their commanded positions and the soles, on
-    /// average, where the estimated state has them: the posture of the robot without sag.
+    /// average, at their estimated poses: the posture of the robot without sag.
     pub fn stand_as_commanded(&mut self, context: &Context, command: &Command) {
         let model = context.model;
         self.state.copy_from(context.state);
@@ -141,7 +141,7 @@ impl PlannedRobot {
         self.state.joints.copy_from_slice(&command.position);
         self.update(model);
         let (here, own) = self.middle();
-        // Turn and shift the whole so that the middle of the soles is where it was.
+        // Rotate and shift the robot so that the middle of the soles does not move.
         let turn = lean * own.inverse();
         self.state.position = there + turn * (self.state.position - here);
         self.state.rotation = turn * self.state.rotation;
@@ -150,14 +150,12 @@ impl PlannedRobot {
 
     /// Mean of the sole centroids, and of the orientations of the soles that are flat.
     fn middle(&self) -> (Vector3<f64>, UnitQuaternion<f64>) {
-        let n = self.feet.len();
-        let position = (0..n).map(|s| self.sole(s).translation.vector).sum::<Vector3<f64>>() / n as f64;
-        let flat = (0..n).filter(|&s| self.feet[s].flat).map(|s| self.sole(s).rotation);
+        let flat = (0..self.feet.len()).filter(|&s| self.feet[s].flat).map(|s| self.sole(s).rotation);
         let first = flat.clone().next().unwrap_or_else(UnitQuaternion::identity);
         let count = flat.clone().count().max(1) as f64;
         // Small differences add as rotation vectors.
         let mean = flat.map(|r| (r * first.inverse()).scaled_axis()).sum::<Vector3<f64>>() / count;
-        (position, UnitQuaternion::from_scaled_axis(mean) * first)
+        (self.support(), UnitQuaternion::from_scaled_axis(mean) * first)
     }
 
     /// Pose of a sole: its centroid and the orientation of its link.

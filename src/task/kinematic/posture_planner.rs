@@ -1,4 +1,4 @@
-//! From a goal to joint commands: shared by the tasks that plan positions.
+//! Joint commands from a goal, for the tasks that plan positions.
 
 use super::{Goal, InverseKinematics, NotPlannable, PlannedRobot, Rates, Unreachable, feed_forward, planned_robot};
 use crate::motion::minimum_jerk::minimum_jerk;
@@ -45,7 +45,7 @@ impl PosturePlanner {
         }
     }
 
-    /// Starts from a command: the goal is the present plan.
+    /// Starts from a command, with the present plan as the goal.
     ///
     /// # Errors
     /// A leg joint does not follow positions.
@@ -62,16 +62,15 @@ impl PosturePlanner {
     /// into a minimum-jerk move of `duration` seconds.
     pub fn approach(&mut self, t: f64, duration: f64, com: Vector3<f64>, root: UnitQuaternion<f64>) {
         let (progress, rate) = minimum_jerk(t, duration);
-        let way = com - self.from.0;
-        self.goal.com = self.from.0 + way * progress;
-        self.rates.com = way * rate;
+        let shift = com - self.from.0;
+        self.goal.com = self.from.0 + shift * progress;
+        self.rates.com = shift * rate;
         let turn = (root * self.from.1.inverse()).scaled_axis();
         self.goal.root = UnitQuaternion::from_scaled_axis(turn * progress) * self.from.1;
         self.rates.root = turn * rate;
     }
 
-    /// Writes the joint positions that meet the goal; joints that it does not move keep their
-    /// commands.
+    /// Writes the joint positions that meet the goal. Other joints keep their commands.
     ///
     /// # Errors
     /// [`Unreachable`]; the command is then unchanged.
@@ -90,8 +89,8 @@ impl PosturePlanner {
         Ok(())
     }
 
-    /// Blends the efforts of the carrying joints from their commands to those of the motion by the
-    /// factor `part`; see [`feed_forward`]. Call after [`PosturePlanner::write_joints`].
+    /// Blends the efforts of the carrying joints from their commands (`part` 0) to those of the
+    /// motion (1), see [`feed_forward`]. Needs [`PosturePlanner::write_joints`].
     pub fn add_feed_forward(
         &mut self,
         context: &Context,

@@ -1,4 +1,4 @@
-//! `--live`: what a client is shown is what the log holds, and nobody who looks on changes the run.
+//! `--live`: clients receive the messages of the log, and do not change the run.
 
 mod program;
 mod server;

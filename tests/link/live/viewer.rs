@@ -1,4 +1,4 @@
-//! A client of a live run, written from RFC 6455 and Foxglove's specification alone.
+//! A client of a live run, written from RFC 6455 and Foxglove's specification only.
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
@@ -9,33 +9,33 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::{Value, json};
 
-/// A connection; whoever panics closes it.
+/// A connection to the server.
 pub struct Viewer {
     line: BufReader<TcpStream>,
-    /// What was advertised, by number.
+    /// Advertised topics by channel number.
     pub channels: BTreeMap<u64, Value>,
-    /// The topics of its subscriptions, by their numbers.
+    /// Subscribed topics by subscription number.
     topics: BTreeMap<u32, String>,
 }
 
-/// What the server says.
+/// A message of the server.
 #[derive(Debug, PartialEq)]
-pub enum Said {
-    Words(Value),
+pub enum ServerMessage {
+    Text(Value),
     Time(u64),
     /// Topic, time in ns, bytes.
-    Message(String, u64, Vec<u8>),
+    Data(String, u64, Vec<u8>),
 }
 
 impl Viewer {
-    /// Connects, and hears who the server is and which topics there are.
+    /// Connects and reads the server's description.
     pub fn connect(port: u16, protocol: &str) -> Self {
         let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
         let request = format!(
             "GET / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
              Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: {protocol}\r\n\r\n"
         );
-        // So that nothing hangs when nothing comes.
+        // A test fails instead of waiting forever.
         stream.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
         stream.write_all(request.as_bytes()).unwrap();
         let mut line = BufReader::new(stream);
@@ -46,35 +46,35 @@ impl Viewer {
         assert!(response.starts_with("HTTP/1.1 101 "), "{response}");
         assert!(response.contains("s3pPLMBiTxaQ9kYGzzhZRbK+xOo=") && response.contains(protocol), "{response}");
         let mut viewer = Viewer { line, channels: BTreeMap::new(), topics: BTreeMap::new() };
-        let Some(Said::Words(who)) = viewer.hear() else { panic!("it does not say who it is") };
-        assert_eq!((&who["op"], &who["capabilities"]), (&json!("serverInfo"), &json!(["time"])));
+        let Some(ServerMessage::Text(info)) = viewer.receive() else { panic!("no server info") };
+        assert_eq!((&info["op"], &info["capabilities"]), (&json!("serverInfo"), &json!(["time"])));
         viewer
     }
 
-    /// Subscribes to all topics of which this holds, once they are advertised.
-    pub fn subscribe(&mut self, wanted: impl Fn(&str) -> bool) {
+    /// Subscribes to the selected topics once they are advertised.
+    pub fn subscribe(&mut self, selected: impl Fn(&str) -> bool) {
         while self.channels.is_empty() {
-            self.hear().unwrap();
+            self.receive().unwrap();
         }
         let mut subscriptions = Vec::new();
         for (id, channel) in &self.channels {
             let (topic, number) = (channel["topic"].as_str().unwrap(), 1000 + *id as u32);
-            if wanted(topic) {
+            if selected(topic) {
                 self.topics.insert(number, topic.to_owned());
                 subscriptions.push(json!({ "id": number, "channelId": id }));
             }
         }
-        self.say(&json!({ "op": "subscribe", "subscriptions": subscriptions }));
+        self.send(&json!({ "op": "subscribe", "subscriptions": subscriptions }));
     }
 
     pub fn unsubscribe(&mut self) {
         let ids: Vec<u32> = std::mem::take(&mut self.topics).into_keys().collect();
-        self.say(&json!({ "op": "unsubscribe", "subscriptionIds": ids }));
+        self.send(&json!({ "op": "unsubscribe", "subscriptionIds": ids }));
     }
 
-    /// Sends a text. The mask is fixed: it is for proxies only.
-    pub fn say(&mut self, words: &Value) {
-        let text = words.to_string().into_bytes();
+    /// Sends a text message. Its mask is fixed, as only proxies need a random one.
+    pub fn send(&mut self, message: &Value) {
+        let text = message.to_string().into_bytes();
         let mask = [1, 2, 3, 4];
         let mut frame = vec![0x81, 0x80 | 126];
         frame.extend((text.len() as u16).to_be_bytes());
@@ -83,31 +83,31 @@ impl Viewer {
         self.line.get_mut().write_all(&frame).unwrap();
     }
 
-    /// The next that is said; none once the server has closed.
-    pub fn hear(&mut self) -> Option<Said> {
+    /// Receives the next message; none once the server has closed the connection.
+    pub fn receive(&mut self) -> Option<ServerMessage> {
         let (code, bytes) = self.frame()?;
         let number = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
         Some(match (code, bytes.first()) {
             (1, _) => {
-                let words: Value = serde_json::from_slice(&bytes).unwrap();
-                match words["op"].as_str() {
+                let text: Value = serde_json::from_slice(&bytes).unwrap();
+                match text["op"].as_str() {
                     Some("advertise") => {
-                        let all = words["channels"].as_array().unwrap().iter().cloned();
+                        let all = text["channels"].as_array().unwrap().iter().cloned();
                         self.channels.extend(all.map(|channel| (channel["id"].as_u64().unwrap(), channel)));
                     }
                     Some("unadvertise") => {
-                        let gone = words["channelIds"].as_array().unwrap().iter();
-                        gone.for_each(|id| assert!(self.channels.remove(&id.as_u64().unwrap()).is_some()));
+                        let removed = text["channelIds"].as_array().unwrap().iter();
+                        removed.for_each(|id| assert!(self.channels.remove(&id.as_u64().unwrap()).is_some()));
                     }
                     _ => {}
                 }
-                Said::Words(words)
+                ServerMessage::Text(text)
             }
             (2, Some(1)) => {
                 let subscription = u32::from_le_bytes(bytes[1..5].try_into().unwrap());
-                Said::Message(self.topics[&subscription].clone(), number(5), bytes[13..].to_vec())
+                ServerMessage::Data(self.topics[&subscription].clone(), number(5), bytes[13..].to_vec())
             }
-            (2, Some(2)) => Said::Time(number(1)),
+            (2, Some(2)) => ServerMessage::Time(number(1)),
             (8, _) => return None,
             _ => panic!("frame {code}: {bytes:?}"),
         })
@@ -116,10 +116,10 @@ impl Viewer {
     fn frame(&mut self) -> Option<(u8, Vec<u8>)> {
         let mut start = [0; 2];
         match self.line.read_exact(&mut start) {
-            Err(error) if error.kind() == ErrorKind::WouldBlock => panic!("nothing comes"),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => panic!("no message in time"),
             read => read.ok()?,
         }
-        assert_eq!(start[0] & 0xf0, 0x80, "whole, nothing reserved");
+        assert_eq!(start[0] & 0xf0, 0x80, "a complete frame without reserved bits");
         let more = match start[1] {
             126 => 2,
             127 => 8,
@@ -135,18 +135,18 @@ impl Viewer {
         bytes
     }
 
-    /// Messages up to the end, by topic.
+    /// Receives all messages until the connection closes, by topic.
     pub fn messages(&mut self) -> BTreeMap<String, Vec<(u64, Vec<u8>)>> {
         let mut all: BTreeMap<String, Vec<_>> = BTreeMap::new();
-        while let Some(said) = self.hear() {
-            if let Said::Message(topic, time, bytes) = said {
+        while let Some(message) = self.receive() {
+            if let ServerMessage::Data(topic, time, bytes) = message {
                 all.entry(topic).or_default().push((time, bytes));
             }
         }
         all
     }
 
-    /// What a topic is, as a log says it: type, its description, encodings, metadata.
+    /// The advertised topics, described as in a log: schema, encodings, metadata.
     pub fn topics(&self) -> BTreeMap<String, Topic> {
         let text = |value: &Value| value.as_str().unwrap().to_owned();
         let all = self.channels.values().map(|c| {
@@ -168,7 +168,7 @@ impl Viewer {
     }
 }
 
-/// See [`Viewer::topics`].
+/// Description of a topic.
 #[derive(Debug, PartialEq)]
 pub struct Topic {
     pub schema_name: String,

@@ -1,21 +1,26 @@
 //! The penalty method: springs and dampers in place of a rigid floor, with regularised friction.
 //!
-//! Every vertex by itself, with delta = -height its depth and u its velocity (u_n along the normal, u_t along the floor):
+//! At every vertex, with delta = -height its depth and u its velocity (u_n along the normal, u_t
+//! along the floor):
 //!
 //! ```text
 //! N = max(0, k delta - c u_n)  where delta > 0, else 0        t = -mu_k N u_t / sqrt(|u_t|^2 + s^2)
 //! ```
 //!
-//! The normal force is that of Kelvin and Voigt, clipped where it would pull: it is linear while a vertex pushes, so depth
-//! and oscillation have closed forms and `damping` has the unit of a damper. ([Hunt 1975] lets the damping grow with the depth, which takes away the jump `-c u_n` at touch-down, but then a robot that
-//! rests deeper is damped more.) The friction is Coulomb's with a slope at zero speed, smooth everywhere; it is sliding
-//! friction, so it takes mu_k, and nothing sticks: a load of the part r of mu_k N creeps at `s r / sqrt(1 - r^2)`.
+//! The normal force is that of Kelvin and Voigt, clipped where it would pull. It is linear while a
+//! vertex pushes, so depth and oscillation have closed forms and `damping` has the unit of a
+//! damper. ([Hunt 1975] lets the damping grow with the depth, which removes the jump `-c u_n` at
+//! touch-down, but damps a robot that rests deeper more.) The friction is Coulomb's with a slope at
+//! zero speed, smooth everywhere. It is sliding friction with mu_k, and no vertex sticks: under a
+//! tangential load of r mu_k N it creeps at `s r / sqrt(1 - r^2)`.
 //!
-//! The springs store `k delta^2 / 2`. The rest of the energy that the floor takes out of the normal motion,
-//! `(N - k delta) (-u_n) >= 0`, is lost: c u_n^2 while it pushes, and the energy left in the spring when it lets go.
+//! The springs store `k delta^2 / 2`. The rest of the energy that the floor absorbs from the normal
+//! motion, `(N - k delta) (-u_n) >= 0`, is lost: c u_n^2 while it pushes, and the remaining energy
+//! of the spring when contact ends.
 //!
-//! Which vertices are in the floor is held while a step is integrated, so that its equations are smooth; where one enters
-//! or leaves it is an event. Fixed steps at the velocity level are implicit: see the file `step.rs`.
+//! The set of vertices in the floor is held while a step is integrated, so that its equations are
+//! smooth; entering or leaving the floor is an event. Fixed steps at the velocity level are
+//! implicit, see `step.rs`.
 
 mod step;
 
@@ -32,7 +37,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use step::Step;
 
-/// What scenarios and reports need to know of this method.
+/// Descriptor for scenarios and reports.
 pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     name: "penalty",
     doc: "Springs and dampers under every vertex, regularised friction.",
@@ -64,7 +69,7 @@ pub struct PenaltyParameters {
 }
 
 impl Default for PenaltyParameters {
-    /// For robots of some kg: see `docs/contact.md` section 11.
+    /// Values for robots of some kg, see `docs/contact.md` section 11.
     fn default() -> Self {
         PenaltyParameters { stiffness: 1e5, damping: 300.0, slip_velocity: 1e-3 }
     }
@@ -82,7 +87,7 @@ impl PenaltyParameters {
     }
 }
 
-/// Solver of the method that the module describes.
+/// Solver of the method.
 pub struct Penalty {
     law: PenaltyParameters,
     /// Which vertices are in the floor, all soles in a row.
@@ -97,8 +102,9 @@ impl Penalty {
         Penalty { law, inside: vec![false; k], step: Step::new(p, law) }
     }
 
-    /// The pattern of the vertices that carry something, sticking while all of those slip slower than the slip velocity.
-    fn label(&self, p: &Problem, out: &Solution, slip: impl Fn(usize, usize) -> Vector2<f64>) -> States {
+    /// The pattern of the loaded vertices, sticking while all of them slip slower than the slip
+    /// velocity.
+    fn states(&self, p: &Problem, out: &Solution, slip: impl Fn(usize, usize) -> Vector2<f64>) -> States {
         let mut states = States::default();
         for (s, sole) in p.soles.iter().enumerate() {
             let carries = |i: &usize| out.normal[s][*i] > 0.0;
@@ -111,8 +117,8 @@ impl Penalty {
     }
 }
 
-/// Half the width of the floor's surface, m: within it a vertex is in the floor if it goes down. Far above the rounding of
-/// heights; the springs give 1e-7 N there.
+/// Half the width of the floor's surface, m: within it a vertex is in the floor if it moves down.
+/// It is far above the rounding of heights; the springs give 1e-7 N there.
 pub const SURFACE: f64 = 1e-12;
 
 /// Is a vertex in the floor?
@@ -129,10 +135,10 @@ impl ContactSolver for Penalty {
         let vertices = p.soles.iter().flat_map(|s| &s.vertices);
         self.inside.iter_mut().zip(vertices).for_each(|(inside, v)| *inside = is_inside(v));
         self.respond(p, &input.rules.previous, out);
-        Selection::labelled(self.label(p, out, |s, i| p.soles[s].vertices[i].velocity.xy()))
+        Selection::unchecked(self.states(p, out, |s, i| p.soles[s].vertices[i].velocity.xy()))
     }
 
-    /// Impulses of a step. Without a step there are none: nothing jumps.
+    /// Impulses of a step; zero without a step, as velocities do not jump.
     fn impulse(&mut self, p: &mut Problem, _: &SelectionInput, out: &mut Solution) -> Selection {
         let dt = p.step;
         self.step.solve(p, dt, out);
@@ -144,7 +150,7 @@ impl ContactSolver for Penalty {
                 inside.next().into_iter().for_each(|x| *x = after < 0.0);
             }
         }
-        Selection::labelled(self.label(p, out, |s, i| p.vertex_motion(&out.motion, s, i).xy()))
+        Selection::unchecked(self.states(p, out, |s, i| p.vertex_motion(&out.motion, s, i).xy()))
     }
 
     fn respond(&mut self, p: &Problem, _: &States, out: &mut Solution) {

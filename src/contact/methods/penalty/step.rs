@@ -1,12 +1,14 @@
-//! The penalty method at the velocity level: springs, dampers and friction of a fixed step, implicit as servos are there.
+//! The penalty method at the velocity level: implicit springs, dampers and friction of a fixed
+//! step.
 //!
 //! ```text
 //! N = max(0, k (delta - dt u_n) - c u_n)        t = -mu_k N u_t / sqrt(|u_t|^2 + s^2)        m = b + dt W J^T (t, N)
 //! ```
 //!
-//! with u the velocities of the vertices at the end of the step, m those of the soles, b the same without contact and delta
-//! the depth at the start (c only where it is positive). Like backward Euler this has no limit of stability, and with k beyond any
-//! bound it becomes the rigid `u_n >= -gap / dt`. Solved by damped Newton steps,
+//! with u the velocities of the vertices at the end of the step, m those of the soles, b the latter
+//! without contact, and delta the depth at the start (c applies only where it is positive). Like
+//! backward Euler this has no stability limit. For k to infinity it becomes the rigid condition
+//! `u_n >= -gap / dt`. It is solved by damped Newton steps,
 //!
 //! ```text
 //! F(m) = m - b - dt W J^T f(m) = 0        (1 + W A) dm = -F        A = -dt J^T f'(u) J
@@ -16,20 +18,21 @@
 
 use crate::contact::methods::penalty::PenaltyParameters;
 use crate::contact::model::problem::{Problem, Vertex};
-use crate::contact::model::solution::Solution;
-use crate::contact::model::solution::wrench_at;
+use crate::contact::model::solution::{Solution, wrench_at};
 use crate::linalg::linear::Linear;
 use nalgebra::{Matrix2, Matrix3, Vector3};
 
-/// Most Newton steps at once.
+/// Most Newton steps of one iteration.
 const ROUNDS: usize = 15;
-/// A Newton step that does not take F down is halved, down to this part of it.
+/// A Newton step that does not reduce F is halved, down to this fraction.
 const SHORTEST: f64 = 1.0 / 1024.0;
-/// Where they do not come to an end (a slide that stops within the step overshoots by mu g dt / s) the slip velocity is
-/// brought down to what it is by this factor, beginning with the greatest speed.
+/// If the Newton steps do not converge (a slide that stops within the step overshoots by
+/// mu g dt / s), the slip velocity is reduced by this factor at a time, from the greatest speed to
+/// its true value.
 const SHARPENING: f64 = 0.2;
-/// A Newton step that changes no velocity by more than this part of it, or of the slip velocity, is the last.
-const SETTLED: f64 = 1e-10;
+/// The iteration ends with a Newton step that changes no velocity by more than this fraction of the
+/// velocity or of the slip velocity.
+const CONVERGED: f64 = 1e-10;
 
 /// Scratch of the solve, allocated once.
 pub struct Step {
@@ -38,7 +41,7 @@ pub struct Step {
     matrix: Vec<f64>,
     motion: Vec<f64>,
     change: Vec<f64>,
-    tried: Vec<f64>,
+    trial: Vec<f64>,
     residual: Vec<f64>,
     wrench: Vec<f64>,
 }
@@ -54,20 +57,18 @@ impl Step {
             matrix: vec![0.0; n * n],
             motion: zeros(),
             change: zeros(),
-            tried: zeros(),
+            trial: zeros(),
             residual: zeros(),
             wrench: zeros(),
         }
     }
 
-    /// Leaves the impulses of the vertices over `dt` in `out`.
+    /// Writes the impulses of the vertices over `dt` to `out`.
     pub fn solve(&mut self, p: &Problem, dt: f64, out: &mut Solution) {
         let target = self.law.slip_velocity;
         self.motion.copy_from_slice(&p.b);
         if !self.iterate(p, dt) {
-            let vertices =
-                p.soles.iter().enumerate().flat_map(|(s, sole)| (0..sole.vertices.len()).map(move |i| (s, i)));
-            let fastest = vertices.map(|(s, i)| p.vertex_motion(&p.b, s, i).norm()).fold(0.0, f64::max);
+            let fastest = p.vertex_indices().map(|(s, i)| p.vertex_motion(&p.b, s, i).norm()).fold(0.0, f64::max);
             self.motion.copy_from_slice(&p.b);
             let mut slip = fastest;
             while slip > target {
@@ -86,7 +87,7 @@ impl Step {
         }
     }
 
-    /// Damped Newton steps from `motion`; returns whether they have come to an end.
+    /// Damped Newton steps from `motion`. Returns whether they have converged.
     fn iterate(&mut self, p: &Problem, dt: f64) -> bool {
         self.change.fill(0.0);
         let mut size = self.advance(p, dt, 0.0);
@@ -95,13 +96,13 @@ impl Step {
             let before = size;
             let mut part = 1.0;
             size = self.advance(p, dt, part);
-            let settled = self.is_small(p);
-            while !settled && !(size <= before * (1.0 - 1e-4 * part)) && part > SHORTEST {
+            let converged = self.has_converged(p);
+            while !converged && !(size <= before * (1.0 - 1e-4 * part)) && part > SHORTEST {
                 part *= 0.5;
                 size = self.advance(p, dt, part);
             }
-            std::mem::swap(&mut self.motion, &mut self.tried);
-            if settled {
+            std::mem::swap(&mut self.motion, &mut self.trial);
+            if converged {
                 return true;
             }
         }
@@ -115,13 +116,13 @@ impl Step {
         Vector3::new(t.x, t.y, n)
     }
 
-    /// How its normal part falls with `u_n`, kg.
+    /// Decrease of the normal impulse per increase of `u_n`, kg.
     fn damping(&self, v: &Vertex, dt: f64) -> f64 {
         let damping = if v.height < 0.0 { self.law.damping } else { 0.0 };
         (damping + self.law.stiffness * dt) * dt
     }
 
-    /// Minus its derivative with respect to `u`, kg.
+    /// Negative derivative of the impulse with respect to `u`, kg.
     fn stiffening(&self, v: &Vertex, u: &Vector3<f64>, dt: f64) -> Matrix3<f64> {
         let n = self.impulse(v, u, dt).z;
         let mut k = Matrix3::zeros();
@@ -136,29 +137,30 @@ impl Step {
         k
     }
 
-    /// Tries a part of the Newton step; returns the size of F there.
+    /// Tries the fraction `part` of the Newton step. Returns the size of F there.
     fn advance(&mut self, p: &Problem, dt: f64, part: f64) -> f64 {
-        for ((x, m), d) in self.tried.iter_mut().zip(&self.motion).zip(&self.change) {
+        for ((x, m), d) in self.trial.iter_mut().zip(&self.motion).zip(&self.change) {
             *x = m + part * d;
         }
-        self.miss(p, dt)
+        self.evaluate(p, dt)
     }
 
-    /// F at the motions tried; returns its size, lengths and angles alike by the radii of the soles.
-    fn miss(&mut self, p: &Problem, dt: f64) -> f64 {
+    /// Evaluates F at the trial motions. Returns its size, with angles times the radii of the
+    /// soles.
+    fn evaluate(&mut self, p: &Problem, dt: f64) -> f64 {
         let n = p.dim();
         self.wrench.fill(0.0);
         for (s, sole) in p.soles.iter().enumerate() {
             for (i, v) in sole.vertices.iter().enumerate() {
-                let f = self.impulse(v, &p.vertex_motion(&self.tried, s, i), dt);
+                let f = self.impulse(v, &p.vertex_motion(&self.trial, s, i), dt);
                 let one = wrench_at(&v.r, &f);
                 self.wrench[6 * s..6 * s + 6].iter_mut().zip(one).for_each(|(a, b)| *a += b);
             }
         }
         let mut size = 0.0;
         for (i, f) in self.residual.iter_mut().enumerate() {
-            let answer: f64 = p.w[i * n..(i + 1) * n].iter().zip(&self.wrench).map(|(w, x)| w * x).sum();
-            *f = self.tried[i] - p.b[i] - answer;
+            let response: f64 = p.w[i * n..(i + 1) * n].iter().zip(&self.wrench).map(|(w, x)| w * x).sum();
+            *f = self.trial[i] - p.b[i] - response;
             let length = if i % 6 < 3 { 1.0 } else { p.soles[i / 6].radius };
             size += (*f * length) * (*f * length);
         }
@@ -194,13 +196,14 @@ impl Step {
         self.linear.solve(&mut self.matrix, &mut self.change);
     }
 
-    /// Does the step from `motion` to what was tried change next to nothing?
-    fn is_small(&self, p: &Problem) -> bool {
+    /// Is the change from `motion` to the trial motions negligible?
+    fn has_converged(&self, p: &Problem) -> bool {
         p.soles.iter().enumerate().all(|(s, sole)| {
             (0..sole.vertices.len()).all(|i| {
-                let (a, b) = (p.vertex_motion(&self.motion, s, i), p.vertex_motion(&self.tried, s, i));
+                let (a, b) = (p.vertex_motion(&self.motion, s, i), p.vertex_motion(&self.trial, s, i));
                 let (change, slip) = (a - b, self.law.slip_velocity);
-                change.xy().norm() <= SETTLED * (slip + b.xy().norm()) && change.z.abs() <= SETTLED * (slip + b.norm())
+                change.xy().norm() <= CONVERGED * (slip + b.xy().norm())
+                    && change.z.abs() <= CONVERGED * (slip + b.norm())
             })
         })
     }
@@ -211,7 +214,8 @@ mod tests {
     use super::*;
     use crate::contact::model::state::States;
 
-    /// A point of mass `m` with these velocities at the end of the step without contact and at a depth before it.
+    /// A point of mass `m` with velocity `b` at the end of the step without contact, and `depth`
+    /// before it.
     fn point(m: f64, b: Vector3<f64>, depth: f64) -> Problem {
         let mut p = Problem::new(&[1]);
         (0..3).for_each(|i| p.w[7 * i] = 1.0 / m);
@@ -228,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_meets_its_law_at_the_end_of_the_step() {
+    fn a_point_satisfies_its_law_at_the_end_of_the_step() {
         let law = PenaltyParameters { stiffness: 1e5, damping: 50.0, slip_velocity: 1e-4 };
         let m = 0.7;
         // Fast, slow and next to the limit; deep, just above the floor and well above it.
@@ -254,7 +258,8 @@ mod tests {
         for vx in [2.0, 1e-3] {
             let p = point(m, Vector3::new(vx, 0.0, -0.5), -h);
             let f = solved(&p, PenaltyParameters { stiffness: 1e11, damping: 0.0, slip_velocity: 1e-9 });
-            // v_n = -h / dt, and friction takes mu N or all of the slip; 1e-5 of the mass is what k dt^2 is short of rigid.
+            // v_n = -h / dt, and friction is mu N or stops the slip. The mass is 1e-5 of k dt^2:
+            // the deviation from rigid.
             let n = m * (0.5 - h / p.step);
             let t = (0.5 * n).min(m * vx);
             assert!((f.z - n).abs() < 1e-5 * n && (f.x + t).abs() < 1e-5 * t, "{f} {n} {t}");

@@ -1,19 +1,20 @@
 //! Finds joints and bases without inertia, which no force could accelerate finitely.
 //!
-//! The articulated inertia of a link is what a force on it meets when all joints below it move freely: from the leaves,
-//! `IA = I + sum over children of X^T (IA_c - U U^T / d) X` with `U = IA_c S`, `d = S . U` ([Featherstone 2008], section 7.2).
-//! The mass matrix is regular exactly when every d is above 0 and the base's IA is positive definite. So a link without
-//! mass is fine on a chain of crossing axes that ends in a body, and a point mass is fine off its axis.
+//! The articulated inertia of a link is its apparent inertia when all joints below it move freely:
+//! from the leaves, `IA = I + sum over children of X^T (IA_c - U U^T / d) X` with
+//! `U = IA_c S`, `d = S . U` ([Featherstone 2008], section 7.2). The mass matrix is regular exactly
+//! when every d is above 0 and the base's IA is positive definite. So a link without mass is fine
+//! on a chain of crossing axes that ends in a body, and a point mass is fine off its axis.
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 use crate::robot::model::{Base, Joint, JointKind, Link};
 
-/// Less than this fraction of the inertia with all joints below locked is rounding.
-const RELATIVE: f64 = 1e-10;
+/// Inertia below this fraction of the inertia with all joints below locked is rounding.
+const TOLERANCE: f64 = 1e-10;
 
-/// The links, at joint positions 0, that would be accelerated without limit, in order. A joint that meets no inertia counts
-/// as locked for those above it. Velocities are (linear, angular).
+/// The links, at joint positions 0, that would be accelerated without limit, in order. A joint
+/// without inertia counts as locked for those above it. Velocities are (linear, angular).
 pub(in crate::robot::urdf) fn without_inertia(links: &[Link], joints: &[Joint], base: Base) -> Vec<usize> {
     let mut articulated: Vec<Matrix6<f64>> = links.iter().map(spatial).collect();
     let mut locked = articulated.clone();
@@ -25,12 +26,12 @@ pub(in crate::robot::urdf) fn without_inertia(links: &[Link], joints: &[Joint], 
         let u: Vector6<f64> = articulated[i].column(axis).into();
         let d = u[axis];
         let armature = joints[i - 1].armature;
-        let meets_inertia = d + armature > RELATIVE * (locked[i][(axis, axis)] + armature);
-        let left = if meets_inertia { articulated[i] - u * u.transpose() / (d + armature) } else { articulated[i] };
-        if !meets_inertia {
+        let has_inertia = d + armature > TOLERANCE * (locked[i][(axis, axis)] + armature);
+        let remaining = if has_inertia { articulated[i] - u * u.transpose() / (d + armature) } else { articulated[i] };
+        if !has_inertia {
             found.push(i);
         }
-        articulated[parent.0] += x.transpose() * left * x;
+        articulated[parent.0] += x.transpose() * remaining * x;
         let all = x.transpose() * locked[i] * x;
         locked[parent.0] += all;
     }
@@ -52,14 +53,14 @@ fn spatial(link: &Link) -> Matrix6<f64> {
     inertia
 }
 
-/// Takes velocities at the parent's origin in its axes to the child's.
+/// Transforms velocities from the parent's origin and axes to the child's.
 fn to_child(link: &Link) -> Matrix6<f64> {
-    let back: Matrix3<f64> = link.rotation.transpose();
+    let rotation: Matrix3<f64> = link.rotation.transpose();
     let offset: Vector3<f64> = link.offset;
     let mut x = Matrix6::zeros();
-    x.fixed_view_mut::<3, 3>(0, 0).copy_from(&back);
-    x.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-back * offset.cross_matrix()));
-    x.fixed_view_mut::<3, 3>(3, 3).copy_from(&back);
+    x.fixed_view_mut::<3, 3>(0, 0).copy_from(&rotation);
+    x.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-rotation * offset.cross_matrix()));
+    x.fixed_view_mut::<3, 3>(3, 3).copy_from(&rotation);
     x
 }
 
@@ -72,7 +73,7 @@ fn is_definite(a: &Matrix6<f64>) -> bool {
             l[(i, j)] = (l[(i, j)] - sum) / l[(j, j)];
         }
         let pivot = l[(i, i)] - (0..i).map(|k| l[(i, k)] * l[(i, k)]).sum::<f64>();
-        if !(pivot > RELATIVE * a[(i, i)]) {
+        if !(pivot > TOLERANCE * a[(i, i)]) {
             return false;
         }
         l[(i, i)] = pivot.sqrt();

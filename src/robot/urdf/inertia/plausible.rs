@@ -1,28 +1,31 @@
-//! Checks that links can be bodies and can be accelerated. Unphysical links are refused by name, or repaired on request.
+//! Checks that links have physical inertias and can be accelerated. Unphysical links are refused by
+//! name, or repaired on request.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::movable::without_inertia;
 use super::repair::nearest_physical;
-use super::rigid_inertia::{Flaw, RigidInertia, examine, moments_text};
-use crate::robot::error::{FileError, RobotError};
 use crate::robot::model::{Base, Link};
 use crate::robot::notices::Notices;
+use crate::robot::rigid_inertia::{Flaw, RigidInertia, examine, moments_text};
+use crate::robot::robot_error::{FileError, RobotError};
 use crate::robot::urdf::InertiaPolicy;
 use crate::robot::urdf::moving_tree::Parts;
 use crate::robot::urdf::shapes::isometry;
 use crate::robot::urdf::xml::{Xml, child};
 
-/// A part whose inertia no body can have, or a point or a rod. It is an error if the rigid body of which it is part is
-/// flawed too, else a warning: exporters put placeholders on massless frames.
+/// A URDF link whose inertia no body can have, or that is a point or a rod. It is an error if the
+/// rigid body of which it is part is flawed too, otherwise a warning: exporters write placeholders
+/// for massless frames.
 pub(in crate::robot::urdf) struct FlawedPart {
-    /// The moving link it is part of.
+    /// The moving link of which it is part.
     pub carrier: usize,
     pub flaw: Flaw,
     pub fault: FileError,
 }
 
-/// A link's own inertia in its URDF frame; `None` when it has none. A flaw goes to `flawed`, unless it is repaired.
+/// A link's own inertia in its URDF frame; `None` when it has none. A flaw goes to `flawed`, unless
+/// it is repaired.
 pub(in crate::robot::urdf) fn link_inertia(
     xml: &Xml,
     link: &urdf_rs::Link,
@@ -41,17 +44,17 @@ pub(in crate::robot::urdf) fn link_inertia(
         }
         let (moments, flaw) = examine(&tensor);
         let counts = !matches!(flaw, Some(Flaw::Negative | Flaw::Triangle));
-        let what = if counts { "which count" } else { "which no body can have and which are left out" };
+        let remark = if counts { "which count" } else { "which no body can have and which are left out" };
         let at = child(inertial, "mass").unwrap_or(inertial);
         let fault = xml.attribute_fault(at, "value", format!("link `{name}` has inertia but no mass"));
-        flawed(Flaw::Singular, fault.found(format!("{}, {what}", moments_text(moments))).expected("a mass above 0"));
+        flawed(Flaw::Singular, fault.found(format!("{}, {remark}", moments_text(moments))).expected("a mass above 0"));
         // The position of its centre has no effect.
         let body = RigidInertia { mass, com: Vector3::zeros(), tensor };
-        return counts.then(|| body.moved(&isometry(&link.inertial.origin)));
+        return counts.then(|| body.transformed(&isometry(&link.inertial.origin)));
     }
     let at = child(inertial, "inertia").unwrap_or(inertial);
     let (moments, flaw) = examine(&tensor);
-    // A point mass is a body; `judge` checks whether it can be moved.
+    // A point mass is a body; `check_inertias` checks whether it can be moved.
     let is_repaired = policy == InertiaPolicy::Repair && tensor != Matrix3::zeros();
     match flaw {
         Some(_) if is_repaired => {
@@ -73,14 +76,15 @@ pub(in crate::robot::urdf) fn link_inertia(
         None => {}
     }
     let body = RigidInertia { mass, com: Vector3::zeros(), tensor };
-    Some(body.moved(&isometry(&link.inertial.origin)))
+    Some(body.transformed(&isometry(&link.inertial.origin)))
 }
 
 const HOW_TO_REPAIR: &str = "inertia = \"repair\" in a scenario's [robot] or in the robot file, or inspect's --repair, \
      takes the nearest physical tensor and locks joints that nothing resists";
 
-/// Every link that can accelerate needs a tensor a body can have, welded parts counted, and inertia along its joint.
-pub(in crate::robot::urdf) fn judge(
+/// Checks that every link that can accelerate has, with its welded parts, a tensor that a body can
+/// have, and inertia along its joint.
+pub(in crate::robot::urdf) fn check_inertias(
     xml: &Xml,
     parts: &Parts,
     base: Base,
@@ -89,7 +93,7 @@ pub(in crate::robot::urdf) fn judge(
     let Parts { links, joints, flawed, .. } = parts;
     let unphysical = |i: usize, link: &Link| match examine(&link.inertia).1 {
         Some(Flaw::Negative) => true,
-        // The union of valid parts is valid but for rounding.
+        // The union of valid parts is valid up to rounding.
         Some(Flaw::Triangle) => flawed.iter().any(|part| part.carrier == i && part.flaw != Flaw::Singular),
         _ => false,
     };
@@ -97,13 +101,13 @@ pub(in crate::robot::urdf) fn judge(
     if let Some((i, _)) = moving.clone().find(|(i, link)| unphysical(*i, link)) {
         return Err(refusal(xml, links, i, flawed));
     }
-    // The deepest one; those above may only carry it.
+    // The deepest one; those above may lack inertia only because of it.
     if let Some(&i) = without_inertia(links, joints, base).last() {
         return Err(refusal(xml, links, i, flawed));
     }
     for (_, link) in moving.filter(|(_, link)| link.mass == 0.0) {
         let node = xml.named("link", &link.name);
-        // Links between the motions of one joint are in no file.
+        // Links between the motions of one joint are not in the file.
         if node == xml.robot {
             continue;
         }

@@ -1,19 +1,21 @@
 //! The physical inertia tensor nearest to one that no body can have.
 //!
-//! A tensor J about the centre of mass belongs to a body when the second moments of its mass along the principal axes,
-//! `s_i = tr(J) / 2 - J_i >= 0`, are not negative (the triangle inequality of the principal moments J_i, which makes them
-//! not negative as well [Wensing 2018]). Here each `s_i` must be at least [`THINNEST`] times their sum, so that the result
-//! can also be accelerated about every axis. Those tensors form a convex cone that rotations leave as it is, so the
-//! nearest one in the Frobenius norm has the same principal axes, and its moments are the Euclidean projection of the
-//! given ones onto the cone spanned by `(2e, 1-e, 1-e)` and its permutations.
+//! A tensor J about the centre of mass belongs to a body when the second moments of its mass along
+//! the principal axes, `s_i = tr(J) / 2 - J_i >= 0`, are not negative (the triangle inequality of
+//! the principal moments J_i, which makes them not negative as well [Wensing 2018]). Here each
+//! `s_i` must be at least [`THINNEST`] times their sum, so that the result can also be accelerated
+//! about every axis. These tensors form a convex cone that is invariant under rotations, so the
+//! nearest one in the Frobenius norm has the same principal axes, and its moments are the Euclidean
+//! projection of the given ones onto the cone spanned by `(2e, 1-e, 1-e)` and its permutations.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-/// Least share of the second moment of mass along one axis: a plate, rms thickness 3 % of the rms size of the whole.
+/// Least share of the second moment of mass along one axis: a plate, rms thickness 3 % of the rms
+/// size of the whole.
 pub(in crate::robot) const THINNEST: f64 = 1e-3;
 
-/// The nearest physical tensor. Equal to `tensor` (to rounding) when that is physical; zero, a point mass, when no axis has
-/// a moment to go by.
+/// The nearest physical tensor: `tensor` up to rounding if that is physical; zero, a point mass, if
+/// the projection is the cone's apex.
 pub(in crate::robot) fn nearest_physical(tensor: &Matrix3<f64>) -> Matrix3<f64> {
     let eigen = SymmetricEigen::new(*tensor);
     let mut order = [0, 1, 2];
@@ -26,8 +28,8 @@ pub(in crate::robot) fn nearest_physical(tensor: &Matrix3<f64>) -> Matrix3<f64> 
     0.5 * (repaired + repaired.transpose())
 }
 
-/// The projection of ascending moments onto the cone. It keeps their order, so only the face under the largest moment,
-/// between the first two edges, and the first edge can hold the answer.
+/// The projection of ascending moments onto the cone. It keeps their order, so only the face under
+/// the largest moment, between the first two edges, and the first edge can hold the answer.
 fn project(m: &Vector3<f64>) -> Vector3<f64> {
     let e = THINNEST;
     let inward = Vector3::new(1.0 - e, 1.0 - e, -1.0 - e);
@@ -68,7 +70,8 @@ mod tests {
     #[test]
     fn closed_forms() {
         let e = THINNEST;
-        // Onto the face below the largest moment: (1, 1, 3) moves along (1-e, 1-e, -1-e) by its distance.
+        // Onto the face below the largest moment: (1, 1, 3) moves along (1-e, 1-e, -1-e) by its
+        // distance.
         let n = Vector3::new(1.0 - e, 1.0 - e, -1.0 - e);
         let k = -(2.0 * (1.0 - e) - 3.0 * (1.0 + e)) / (2.0 * (1.0 - e).powi(2) + (1.0 + e).powi(2));
         let face = diagonal(1.0 + k * n.x, 1.0 + k * n.y, 3.0 + k * n.z);
@@ -81,7 +84,7 @@ mod tests {
             // Physical ones stay: a ball, a plate of 10 cm by 1 cm thickness.
             (diagonal(1.0, 1.0, 1.0), diagonal(1.0, 1.0, 1.0)),
             (diagonal(1.01, 1.01, 2.0), diagonal(1.01, 1.01, 2.0)),
-            // Nothing to go by: a point mass.
+            // The apex: a point mass.
             (diagonal(-1.0, -2.0, -3.0), Matrix3::zeros()),
             (Matrix3::zeros(), Matrix3::zeros()),
         ] {
@@ -91,8 +94,8 @@ mod tests {
     }
 
     proptest! {
-        /// The projection onto a closed convex cone is the only point p of it with `(J - p) . p = 0` and `(J - p) . x <= 0`
-        /// for every x of the cone.
+        /// The projection onto a closed convex cone is the only point p of it with
+        /// `(J - p) . p = 0` and `(J - p) . x <= 0` for every x of the cone.
         #[test]
         fn no_physical_tensor_is_nearer(
             moments in prop::array::uniform3(-1.0f64..2.0),

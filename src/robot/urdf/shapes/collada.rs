@@ -1,9 +1,11 @@
-//! COLLADA (`.dae`) as triangles: the visual scene with the transforms of its nodes and the file's unit.
+//! COLLADA (`.dae`) as triangles: the visual scene with the transforms of its nodes and the file's
+//! unit.
 //!
-//! A vertex p of a geometry under nodes with matrices N_1 .. N_k (outermost first) is at u N_1 .. N_k p, with u metres to
-//! the unit; a node's own matrix is the product of its transformation elements in the order of the file (COLLADA 1.4.1
-//! specification, chapter 5). `up_axis` is reported, not applied: URDF puts meshes into the link's axes as they
-//! are, as ROS's viewers do, and exporters write `Y_UP` for vertices that are not rotated.
+//! A vertex p of a geometry under nodes with matrices N_1 .. N_k (outermost first) is at u N_1 ..
+//! N_k p, with u metres to the unit; a node's own matrix is the product of its transformation
+//! elements in the order of the file (COLLADA 1.4.1 specification, chapter 5). `up_axis` is
+//! reported, not applied: URDF puts meshes into the link's axes as they are, as ROS's viewers do,
+//! and exporters write `Y_UP` for vertices that are not rotated.
 
 use std::collections::HashMap;
 
@@ -11,23 +13,24 @@ use nalgebra::{Matrix3, Matrix4, Point3, Unit, Vector3};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::mesh::{MeshError, Soup};
-use crate::robot::urdf::xml::{MOST_ATTRIBUTES, crowded};
+use crate::robot::urdf::xml::{MAX_ATTRIBUTES, excess_attribute};
 
-/// Greatest depth of nodes: instances that contain themselves nest without end.
-const DEEPEST: usize = 64;
-/// Most nodes, instances of instances included.
-const MOST_INSTANCES: usize = 100_000;
-/// Most vertices and triangles: some hundred times those of a large mesh.
-const MOST_VERTICES: usize = 20_000_000;
-const MOST_TRIANGLES: usize = 40_000_000;
-/// Most columns of a list of corners, far more than files have.
-const MOST_COLUMNS: usize = 1000;
+/// Greatest depth of nodes: instances that contain themselves would nest without end.
+const MAX_DEPTH: usize = 64;
+/// Greatest number of nodes, instances of instances included.
+const MAX_INSTANCES: usize = 100_000;
+/// Greatest numbers of vertices and triangles: several hundred times those of a large mesh.
+const MAX_VERTICES: usize = 20_000_000;
+const MAX_TRIANGLES: usize = 40_000_000;
+/// Greatest number of columns of a list of corners, far more than files have.
+const MAX_COLUMNS: usize = 1000;
 
-/// Triangles of the file's scene in m, and the up-axis it claims (`Z_UP` by default here, since nothing is turned).
+/// Triangles of the file's scene in m, and its up-axis; `Z_UP` if it gives none, since meshes are
+/// not rotated.
 pub(super) fn decode(bytes: &[u8]) -> Result<(Soup, String), MeshError> {
     let text = std::str::from_utf8(bytes).map_err(|_| "it is not UTF-8")?;
-    if crowded(text).is_some() {
-        return Err(format!("an element has more than {MOST_ATTRIBUTES} attributes").into());
+    if excess_attribute(text).is_some() {
+        return Err(format!("an element has more than {MAX_ATTRIBUTES} attributes").into());
     }
     let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|e| e.to_string())?;
@@ -35,19 +38,22 @@ pub(super) fn decode(bytes: &[u8]) -> Result<(Soup, String), MeshError> {
     if root.tag_name().name() != "COLLADA" {
         return Err(format!("its root element is <{}>, not <COLLADA>", root.tag_name().name()).into());
     }
-    let asset = first(root, "asset");
-    let unit = asset.and_then(|a| first(a, "unit")).and_then(|u| u.attribute("meter"));
+    let asset = first_child(root, "asset");
+    let unit = asset.and_then(|a| first_child(a, "unit")).and_then(|u| u.attribute("meter"));
     let unit = unit.map_or(Ok(1.0), |u| positive(u).ok_or(format!("its unit is `{u}` m")))?;
-    let up = asset.and_then(|a| first(a, "up_axis")).and_then(|u| u.text()).unwrap_or("Z_UP").trim().to_owned();
+    let up = asset.and_then(|a| first_child(a, "up_axis")).and_then(|u| u.text()).unwrap_or("Z_UP").trim().to_owned();
     let ids = root.descendants().filter_map(|n| n.attribute("id").map(|id| (id, n))).collect();
-    let mut reader = Reader { ids, soup: Soup::default(), placed: 0 };
+    let mut reader = Reader { ids, soup: Soup::default(), instances: 0 };
     let transform = Matrix4::new_scaling(unit);
-    let named =
-        first(root, "scene").and_then(|s| first(s, "instance_visual_scene")).and_then(|s| reader.target(s, "url"));
-    match named.or_else(|| root.descendants().find(|n| is(*n, "visual_scene"))) {
+    let named = first_child(root, "scene")
+        .and_then(|s| first_child(s, "instance_visual_scene"))
+        .and_then(|s| reader.target(s, "url"));
+    match named.or_else(|| root.descendants().find(|n| has_tag(*n, "visual_scene"))) {
         Some(scene) => reader.nodes(scene, transform, 0)?,
         // A file without a scene is a library of shapes: all of them, untransformed.
-        None => root.descendants().filter(|n| is(*n, "geometry")).try_for_each(|g| reader.geometry(g, &transform))?,
+        None => {
+            root.descendants().filter(|n| has_tag(*n, "geometry")).try_for_each(|g| reader.geometry(g, &transform))?
+        }
     }
     Ok((reader.soup, up))
 }
@@ -55,8 +61,8 @@ pub(super) fn decode(bytes: &[u8]) -> Result<(Soup, String), MeshError> {
 struct Reader<'a> {
     ids: HashMap<&'a str, Node<'a, 'a>>,
     soup: Soup,
-    /// Nodes placed so far.
-    placed: usize,
+    /// Number of nodes visited so far.
+    instances: usize,
 }
 
 impl<'a> Reader<'a> {
@@ -65,39 +71,39 @@ impl<'a> Reader<'a> {
         self.ids.get(node.attribute(attribute)?.strip_prefix('#')?).copied()
     }
 
-    fn need(&self, node: Node<'a, 'a>, attribute: &str) -> Result<Node<'a, 'a>, MeshError> {
+    fn require(&self, node: Node<'a, 'a>, attribute: &str) -> Result<Node<'a, 'a>, MeshError> {
         self.target(node, attribute).ok_or_else(|| {
             let (tag, name) = (node.tag_name().name(), node.attribute(attribute).unwrap_or(""));
             format!("<{tag}> names `{name}`, which is not in the file").into()
         })
     }
 
-    /// Everything below a visual scene or a node whose frame has the matrix `transform`.
+    /// Reads all children of a visual scene or of a node whose frame has the matrix `transform`.
     fn nodes(&mut self, parent: Node<'a, 'a>, transform: Matrix4<f64>, depth: usize) -> Result<(), MeshError> {
-        if depth > DEEPEST {
-            return Err(format!("its nodes nest more than {DEEPEST} deep").into());
+        if depth > MAX_DEPTH {
+            return Err(format!("its nodes nest more than {MAX_DEPTH} deep").into());
         }
-        self.placed += 1;
-        if self.placed > MOST_INSTANCES {
-            return Err(format!("it has more than {MOST_INSTANCES} nodes").into());
+        self.instances += 1;
+        if self.instances > MAX_INSTANCES {
+            return Err(format!("it has more than {MAX_INSTANCES} nodes").into());
         }
         for child in parent.children() {
             match child.tag_name().name() {
                 "node" => self.nodes(child, transform * own_matrix(child)?, depth + 1)?,
                 "instance_node" => {
-                    let node = self.need(child, "url")?;
+                    let node = self.require(child, "url")?;
                     self.nodes(node, transform * own_matrix(node)?, depth + 1)?;
                 }
                 "instance_geometry" => {
-                    let geometry = self.need(child, "url")?;
+                    let geometry = self.require(child, "url")?;
                     self.geometry(geometry, &transform)?;
                 }
                 "instance_controller" => {
                     // A skin in its bind pose; there is no skeleton to move it by.
-                    let controller = self.need(child, "url")?;
-                    let skin = first(controller, "skin").ok_or("a controller that is no skin")?;
-                    let bind = first(skin, "bind_shape_matrix").map_or(Ok(Matrix4::identity()), matrix)?;
-                    let geometry = self.need(skin, "source")?;
+                    let controller = self.require(child, "url")?;
+                    let skin = first_child(controller, "skin").ok_or("a controller that is no skin")?;
+                    let bind = first_child(skin, "bind_shape_matrix").map_or(Ok(Matrix4::identity()), matrix)?;
+                    let geometry = self.require(skin, "source")?;
                     self.geometry(geometry, &(transform * bind))?;
                 }
                 _ => {}
@@ -107,7 +113,7 @@ impl<'a> Reader<'a> {
     }
 
     fn geometry(&mut self, geometry: Node<'a, 'a>, transform: &Matrix4<f64>) -> Result<(), MeshError> {
-        let Some(mesh) = first(geometry, "mesh") else { return Ok(()) };
+        let Some(mesh) = first_child(geometry, "mesh") else { return Ok(()) };
         // A mirror turns triangles inside out.
         let flip = transform.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
         for primitive in mesh.children().filter(|n| n.is_element()) {
@@ -115,7 +121,7 @@ impl<'a> Reader<'a> {
             if !matches!(kind, "triangles" | "polylist" | "polygons" | "tristrips" | "trifans") {
                 continue;
             }
-            let inputs = || primitive.children().filter(|n| is(*n, "input"));
+            let inputs = || primitive.children().filter(|n| has_tag(*n, "input"));
             let offsets: Vec<usize> = inputs().map(offset).collect::<Result<_, _>>()?;
             let stride = 1 + offsets.into_iter().max().unwrap_or(0);
             let vertex = inputs().find(|i| i.attribute("semantic") == Some("VERTEX"));
@@ -123,8 +129,8 @@ impl<'a> Reader<'a> {
             let base = self.positions(vertex, transform)?;
             let count = self.soup.vertices.len() - base;
             let column = offset(vertex)?;
-            let sizes: Vec<usize> = first(primitive, "vcount").map_or(Ok(Vec::new()), numbers)?;
-            for list in primitive.children().filter(|n| is(*n, "p")) {
+            let sizes: Vec<usize> = first_child(primitive, "vcount").map_or(Ok(Vec::new()), numbers)?;
+            for list in primitive.children().filter(|n| has_tag(*n, "p")) {
                 let all: Vec<usize> = numbers(list)?;
                 let corners: Vec<usize> = all.chunks_exact(stride).map(|c| c[column]).collect();
                 if corners.iter().any(|&c| c >= count) {
@@ -132,28 +138,29 @@ impl<'a> Reader<'a> {
                 }
                 let corners: Vec<u32> = corners.iter().map(|c| (base + c) as u32).collect();
                 self.faces(kind, &corners, &sizes, flip);
-                if self.soup.triangles.len() > MOST_TRIANGLES {
-                    return Err(format!("it has more than {MOST_TRIANGLES} triangles").into());
+                if self.soup.triangles.len() > MAX_TRIANGLES {
+                    return Err(format!("it has more than {MAX_TRIANGLES} triangles").into());
                 }
             }
         }
         Ok(())
     }
 
-    /// Appends the placed positions behind a `VERTEX` input; returns the index of the first.
+    /// Appends the transformed positions of a `VERTEX` input; returns the index of the first.
     fn positions(&mut self, vertex: Node<'a, 'a>, transform: &Matrix4<f64>) -> Result<usize, MeshError> {
-        let vertices = self.need(vertex, "source")?;
-        let position = vertices.children().find(|i| is(*i, "input") && i.attribute("semantic") == Some("POSITION"));
-        let source = self.need(position.ok_or("<vertices> without positions")?, "source")?;
-        let array = first(source, "float_array").ok_or("positions without a <float_array>")?;
-        let accessor = source.descendants().find(|n| is(*n, "accessor"));
+        let vertices = self.require(vertex, "source")?;
+        let position =
+            vertices.children().find(|i| has_tag(*i, "input") && i.attribute("semantic") == Some("POSITION"));
+        let source = self.require(position.ok_or("<vertices> without positions")?, "source")?;
+        let array = first_child(source, "float_array").ok_or("positions without a <float_array>")?;
+        let accessor = source.descendants().find(|n| has_tag(*n, "accessor"));
         let read =
             |name, default| accessor.and_then(|a| a.attribute(name)).and_then(|s| s.parse().ok()).unwrap_or(default);
         let (stride, offset): (usize, usize) = (read("stride", 3), read("offset", 0));
         let values: Vec<f64> = numbers(array)?;
         let base = self.soup.vertices.len();
-        if base > MOST_VERTICES {
-            return Err(format!("it has more than {MOST_VERTICES} vertices").into());
+        if base > MAX_VERTICES {
+            return Err(format!("it has more than {MAX_VERTICES} vertices").into());
         }
         for p in values.get(offset..).unwrap_or(&[]).chunks(stride.max(1)).filter(|c| c.len() >= 3) {
             self.soup.vertices.push(transform.transform_point(&Point3::new(p[0], p[1], p[2])));
@@ -161,7 +168,7 @@ impl<'a> Reader<'a> {
         Ok(base)
     }
 
-    /// Cuts one list of corners into triangles, polygons as fans.
+    /// Splits one list of corners into triangles, polygons into fans.
     fn faces(&mut self, kind: &str, corners: &[u32], sizes: &[usize], flip: bool) {
         let triangles = &mut self.soup.triangles;
         let mut add = |a: u32, b: u32, c: u32| triangles.push(if flip { [a, c, b] } else { [a, b, c] });
@@ -189,7 +196,7 @@ impl<'a> Reader<'a> {
 /// The column of an input in a list of corners.
 fn offset(input: Node) -> Result<usize, MeshError> {
     let Some(text) = input.attribute("offset") else { return Ok(0) };
-    let column = text.trim().parse().ok().filter(|column| *column < MOST_COLUMNS);
+    let column = text.trim().parse().ok().filter(|column| *column < MAX_COLUMNS);
     column.ok_or_else(|| format!("an <input> with the offset `{text}`").into())
 }
 
@@ -232,7 +239,7 @@ fn matrix(node: Node) -> Result<Matrix4<f64>, MeshError> {
 
 fn numbers<T: std::str::FromStr>(node: Node) -> Result<Vec<T>, MeshError> {
     let text = node.text().unwrap_or("");
-    let parse = |word: &str| word.parse().map_err(|_| format!("`{word}` in <{}>", node.tag_name().name()).into());
+    let parse = |number: &str| number.parse().map_err(|_| format!("`{number}` in <{}>", node.tag_name().name()).into());
     text.split_ascii_whitespace().map(parse).collect()
 }
 
@@ -240,10 +247,10 @@ fn positive(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0)
 }
 
-fn is(node: Node, tag: &str) -> bool {
+fn has_tag(node: Node, tag: &str) -> bool {
     node.tag_name().name() == tag
 }
 
-fn first<'a>(node: Node<'a, 'a>, tag: &str) -> Option<Node<'a, 'a>> {
-    node.children().find(|n| is(*n, tag))
+fn first_child<'a>(node: Node<'a, 'a>, tag: &str) -> Option<Node<'a, 'a>> {
+    node.children().find(|n| has_tag(*n, tag))
 }

@@ -24,7 +24,7 @@ pub(in crate::robot::urdf) fn isometry(origin: &urdf_rs::Pose) -> Isometry3<f64>
     )
 }
 
-/// Converts URDF shapes and keeps the mesh files it read.
+/// Converts URDF shapes and records the mesh files read.
 pub(in crate::robot::urdf) struct Shapes<'a> {
     xml: &'a Xml<'a>,
     /// Materials declared under `<robot>`, by name; the first of each name.
@@ -111,7 +111,7 @@ impl<'a> Shapes<'a> {
         match &self.decoded[&path] {
             // A mesh without extent in two directions is a line or a point.
             Ok(_) if scale.iter().filter(|s| **s == 0.0).count() > 1 => {
-                Err(format!("nothing is left of it at the scale {} {} {}", scale.x, scale.y, scale.z).into())
+                Err(format!("the scale {} {} {} reduces it to nothing", scale.x, scale.y, scale.z).into())
             }
             Ok(mesh) => {
                 Ok((mesh.scaled(&scale).ok_or("its vertices at this scale are too large")?, mesh.remark.clone()))

@@ -1,5 +1,5 @@
-//! Mesh files (STL, OBJ, COLLADA) as vertices and triangles. A mesh may be flat or open: drawing and sole
-//! detection need no volume.
+//! Mesh files (STL, OBJ, COLLADA) as vertices and triangles. A mesh may be flat or open: drawing
+//! and sole detection need no volume.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -10,7 +10,7 @@ use super::collada;
 use crate::robot::model::Geometry;
 
 /// Largest coordinate, m: fourth powers of greater ones overflow.
-const LARGEST: f64 = 1e60;
+const MAX_COORDINATE: f64 = 1e60;
 
 /// Why a mesh file is left out.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -35,7 +35,7 @@ impl From<std::io::Error> for MeshError {
     }
 }
 
-/// Triangles as a file gives them, in m before scaling.
+/// Triangles as stored in a file, in m before scaling.
 #[derive(Default)]
 pub(super) struct Soup {
     pub vertices: Vec<Point3<f64>>,
@@ -58,10 +58,10 @@ pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Decoded, MeshError> {
     let raw = match extension.as_str() {
         "stl" => match binary_stl(bytes) {
             Some(soup) => soup,
-            None => soup_of(loader.load_stl_from_slice(bytes, path))?,
+            None => to_soup(loader.load_stl_from_slice(bytes, path))?,
         },
         // Material files cannot change the shape, so none is opened.
-        "obj" => soup_of(loader.load_obj_from_slice_with_reader(bytes, path, |_| Ok(Vec::new())))?,
+        "obj" => to_soup(loader.load_obj_from_slice_with_reader(bytes, path, |_| Ok(Vec::new())))?,
         "dae" => {
             let (soup, up) = collada::decode(bytes)?;
             if up != "Z_UP" {
@@ -72,26 +72,27 @@ pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Decoded, MeshError> {
         }
         _ => return Err(format!("mesh files of type `{extension}` are not read (STL, OBJ and DAE are)").into()),
     };
-    Ok(Decoded { soup: welded(&raw)?, remark })
+    Ok(Decoded { soup: weld_vertices(&raw)?, remark })
 }
 
 impl Decoded {
-    /// The shape at a scale, triangles facing outward as before; none when a vertex is not finite then.
+    /// The shape at a scale, with the orientation of triangles kept; `None` if a coordinate exceeds
+    /// [`MAX_COORDINATE`].
     pub fn scaled(&self, scale: &Vector3<f64>) -> Option<Geometry> {
         let points: Vec<Point3<f64>> =
             self.soup.vertices.iter().map(|p| Point3::from(p.coords.component_mul(scale))).collect();
-        if !points.iter().all(|p| p.iter().all(|x| x.abs() <= LARGEST)) {
+        if !points.iter().all(|p| p.iter().all(|x| x.abs() <= MAX_COORDINATE)) {
             return None;
         }
         // A mirror scale turns triangles inside out.
         let flip = scale.product() < 0.0;
-        let turn = |t: &[u32; 3]| if flip { [t[0], t[2], t[1]] } else { *t };
-        Some(Geometry::Mesh(points, self.soup.triangles.iter().map(turn).collect()))
+        let orient = |t: &[u32; 3]| if flip { [t[0], t[2], t[1]] } else { *t };
+        Some(Geometry::Mesh(points, self.soup.triangles.iter().map(orient).collect()))
     }
 }
 
-/// A binary STL: 80 bytes of header, the number n of triangles, and n times normal, corners and two bytes. Many headers
-/// begin with `solid` as text files do, so the length decides.
+/// A binary STL: 80 bytes of header, the number n of triangles, and n times normal, corners and two
+/// bytes. Many headers begin with `solid` as text files do, so the length decides.
 fn binary_stl(bytes: &[u8]) -> Option<Soup> {
     let count = u32::from_le_bytes(bytes.get(80..84)?.try_into().ok()?);
     let records = &bytes[84..];
@@ -104,13 +105,13 @@ fn binary_stl(bytes: &[u8]) -> Option<Soup> {
     Some(Soup { vertices, triangles: (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect() })
 }
 
-fn soup_of(scene: std::io::Result<mesh_loader::Scene>) -> Result<Soup, MeshError> {
+fn to_soup(scene: std::io::Result<mesh_loader::Scene>) -> Result<Soup, MeshError> {
     let mesh = mesh_loader::Mesh::merge(scene?.meshes);
     let vertices = mesh.vertices.iter().map(|v| Point3::from(Vector3::from(v.map(f64::from)))).collect();
     Ok(Soup { vertices, triangles: mesh.faces })
 }
 
-fn welded(raw: &Soup) -> Result<Soup, MeshError> {
+fn weld_vertices(raw: &Soup) -> Result<Soup, MeshError> {
     let mut index: HashMap<[u64; 3], u32> = HashMap::new();
     let mut vertices = Vec::new();
     let mut renumbered = Vec::with_capacity(raw.vertices.len());

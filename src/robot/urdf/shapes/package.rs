@@ -1,26 +1,28 @@
 //! Resolves the file of a mesh.
 //!
-//! `package://NAME/REST` names a ROS package. There is no ROS here, so the package is searched around the URDF. In
-//! each folder from the URDF's own upward, the folder may contain one called NAME, or be the package itself, by its
-//! own name or by that in its `package.xml`. `package:///NAME/REST` and `model://NAME/REST` mean the same. These names are
-//! URIs, so `%20` may stand for a space (RFC 3986, section 2.1); a file that has the name as it is written comes first.
+//! `package://NAME/REST` names a ROS package. There is no ROS here, so the package is searched
+//! around the URDF. In each folder from the URDF's own upward, the folder may contain one called
+//! NAME, or be the package itself, by its own name or by that in its `package.xml`.
+//! `package:///NAME/REST` and `model://NAME/REST` mean the same. These names are URIs, so `%20` may
+//! stand for a space (RFC 3986, section 2.1); a file whose name contains `%20` itself takes
+//! precedence.
 
 use std::path::{Path, PathBuf};
 
 use super::mesh::MeshError;
 use crate::files::input;
-use crate::robot::urdf::xml::crowded;
+use crate::robot::urdf::xml::excess_attribute;
 
-/// The file a mesh name of a URDF in `folder` stands for; the error lists the folders searched.
+/// The file of a mesh name of a URDF in `folder`; the error lists the folders searched.
 pub(super) fn resolve(folder: &Path, filename: &str) -> Result<PathBuf, MeshError> {
-    let found = as_written(folder, filename);
-    let decoded = decoded(filename).filter(|_| found.is_err());
-    decoded.and_then(|name| as_written(folder, &name).ok()).map_or(found, Ok)
+    let found = find_file(folder, filename);
+    let decoded = percent_decoded(filename).filter(|_| found.is_err());
+    decoded.and_then(|name| find_file(folder, &name).ok()).map_or(found, Ok)
 }
 
-/// The name with every `%` and two hexadecimal digits replaced by their byte; none when nothing changes, or the bytes are
-/// not UTF-8.
-fn decoded(name: &str) -> Option<String> {
+/// The name with every `%` and two hexadecimal digits replaced by their byte; none when nothing
+/// changes, or the bytes are not UTF-8.
+fn percent_decoded(name: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(name.len());
     let mut rest = name.as_bytes();
     while let Some((&first, after)) = rest.split_first() {
@@ -32,12 +34,12 @@ fn decoded(name: &str) -> Option<String> {
     String::from_utf8(bytes).ok().filter(|decoded| decoded != name)
 }
 
-fn as_written(folder: &Path, filename: &str) -> Result<PathBuf, MeshError> {
+fn find_file(folder: &Path, filename: &str) -> Result<PathBuf, MeshError> {
     if let Some(name) = filename.strip_prefix("package://").or_else(|| filename.strip_prefix("model://")) {
         let Some((package, inside)) = name.trim_start_matches('/').split_once('/') else {
             return Err("the name lacks a path inside the package".into());
         };
-        // A relative folder has no further ancestors by name alone.
+        // The ancestors of a relative folder require its absolute path.
         let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let absolute = std::path::absolute(here)?;
         let found = absolute.ancestors().find_map(|above| {
@@ -58,7 +60,7 @@ fn as_written(folder: &Path, filename: &str) -> Result<PathBuf, MeshError> {
 fn is_package(folder: &Path, name: &str) -> bool {
     let manifest = || input::read_text(&folder.join("package.xml"), input::MOST_TEXT).ok();
     let has_name = |text: String| {
-        if crowded(&text).is_some() {
+        if excess_attribute(&text).is_some() {
             return None;
         }
         let document = roxmltree::Document::parse(&text).ok()?;

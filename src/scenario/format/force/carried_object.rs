@@ -26,11 +26,12 @@ pub struct CarriedObject {
     #[serde(default, deserialize_with = "angles")]
     #[schemars(with = "[json::Angle; 3]")]
     pub rpy: [f64; 3],
-    /// `[ixx, iyy, izz, ixy, ixz, iyz]` about its centre of mass in its axes, kg m^2. Left out: a point mass.
+    /// `[ixx, iyy, izz, ixy, ixz, iyz]` about its centre of mass in its axes, kg m^2. Left out: a
+    /// point mass.
     #[serde(default)]
     pub inertia: [f64; 6],
-    /// Velocity at which it arrives, without rotation, world axes, m/s: grasping it is an impact. Left out: it already moves
-    /// with the link.
+    /// Velocity at which it arrives, without rotation, world axes, m/s: grasping it is an impact.
+    /// Left out: it already moves with the link.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity: Option<[f64; 3]>,
     /// Time at which it is grasped, s.

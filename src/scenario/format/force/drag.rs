@@ -12,14 +12,16 @@ pub struct DragForce {
     /// The link; left out: every link, each at its centre of mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub link: Option<String>,
-    /// Point of application in the link's frame, m. Left out: the centre of mass of the link with what is welded to it.
+    /// Point of application in the link's frame, m. Left out: the centre of mass of the link with
+    /// what is welded to it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub point: Option<[f64; 3]>,
     /// Force per speed through the air, N s/m; of each link.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub linear: f64,
-    /// Force per square of that speed, N s^2/m^2: density times area times drag coefficient over 2; of each link.
+    /// Force per square of that speed, N s^2/m^2: density times area times drag coefficient over 2;
+    /// of each link.
     #[serde(default, deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub quadratic: f64,

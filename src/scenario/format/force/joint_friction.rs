@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::scenario::format::robot::JointFriction;
 
-/// Friction in joints, added to what the robot's files and `robot.joint` give. At least one of `all` and `joints` is
-/// given.
+/// Friction in joints, added to what the robot's files and `robot.joint` give. At least one of
+/// `all` and `joints` is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointFrictionForce {
@@ -22,7 +22,7 @@ pub struct JointFrictionForce {
 
 impl JointFrictionForce {
     /// Friction added to one joint; none when neither `joints` nor `all` names it.
-    pub fn of(&self, joint: &str) -> Option<JointFriction> {
+    pub fn friction_of(&self, joint: &str) -> Option<JointFriction> {
         self.joints.get(joint).copied().or(self.all)
     }
 }

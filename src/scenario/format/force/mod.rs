@@ -7,7 +7,7 @@ mod joint_friction;
 mod push;
 mod ramp;
 mod random_pushes;
-mod script;
+mod script_force;
 mod spring;
 
 pub use carried_object::CarriedObject;
@@ -17,7 +17,7 @@ pub use joint_friction::JointFrictionForce;
 pub use push::{Profile, PushForce};
 pub use ramp::RampForce;
 pub use random_pushes::{Directions, RandomPushes};
-pub use script::ScriptForce;
+pub use script_force::ScriptForce;
 pub use spring::{AnchorSpec, PathShape, SineSpec, SpringForce, WaypointSpec};
 
 use schemars::JsonSchema;

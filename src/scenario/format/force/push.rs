@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::scenario::format::defaults;
 use crate::scenario::format::force::ForceFrame;
 use crate::text::quantity::{json, non_negative, positive};
 
@@ -48,14 +49,10 @@ pub struct PushForce {
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
     /// Duration, s.
-    #[serde(default = "tenth", deserialize_with = "positive")]
+    #[serde(default = "defaults::tenth", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub duration: f64,
     /// Time profile.
     #[serde(default)]
     pub profile: Profile,
-}
-
-fn tenth() -> f64 {
-    0.1
 }

@@ -3,11 +3,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::scenario::format::defaults;
 use crate::scenario::format::force::ForceFrame;
 use crate::text::quantity::{json, non_negative, positive};
 
-/// A force on a link that rises linearly from 0 at `start` to full at `start + duration` and then stays constant. At least one of `force`
-/// and `moment` is given.
+/// A force on a link that rises linearly from 0 at `start` to full at `start + duration` and then
+/// stays constant. At least one of `force` and `moment` is given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RampForce {
@@ -34,11 +35,7 @@ pub struct RampForce {
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
     /// Duration of the rise, s.
-    #[serde(default = "one", deserialize_with = "positive")]
+    #[serde(default = "defaults::one", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub duration: f64,
-}
-
-fn one() -> f64 {
-    1.0
 }

@@ -5,24 +5,28 @@ use serde::{Deserialize, Serialize};
 
 use crate::text::quantity::{fraction, json, non_negative, positive, some_fraction, some_non_negative, some_positive};
 
-/// Gains and assumptions of the force-controlled balance. Gains are accelerations per displacement (1/s^2) and per
-/// velocity (1/s), to be multiplied by the robot's own mass and inertias, so that they suit robots of any size.
+/// Gains and assumptions of the force-controlled balance. Gains are accelerations per displacement
+/// (1/s^2) and per velocity (1/s), to be multiplied by the robot's own mass and inertias, so that
+/// they suit robots of any size.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ForceBalance {
     /// Gains of the centre of mass towards its reference.
     pub com: Gains,
-    /// Gains of the base's orientation towards the initial one. Left out: 100 and 20, less at rates below 1 kHz.
+    /// Gains of the base's orientation towards the initial one. Left out: 100 and 20, less at rates
+    /// below 1 kHz.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub orientation: Option<Gains>,
-    /// Gains of all joints towards their commanded positions, as far as that moves neither centre of mass nor base nor soles.
-    /// `kd` always damps every joint. Left out: 25 and 10, less at rates below 1 kHz.
+    /// Gains of all joints towards their commanded positions, as far as that moves neither centre
+    /// of mass nor base nor soles. `kd` always damps every joint. Left out: 25 and 10, less at
+    /// rates below 1 kHz.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joints: Option<Gains>,
-    /// Displacement of the reference of the centre of mass from its default, above the point of optimal stability of the
-    /// soles at its initial height; world axes, m.
+    /// Displacement of the reference of the centre of mass from its default, above the point of
+    /// optimal stability of the soles at its initial height; world axes, m.
     pub offset: [f64; 3],
-    /// Time in which the reference of the centre of mass moves from its present position to the target, s.
+    /// Time in which the reference of the centre of mass moves from its present position to the
+    /// target, s.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub approach: f64,
@@ -30,7 +34,8 @@ pub struct ForceBalance {
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub friction: f64,
-    /// Distance of contact forces from the edges of each sole: 0 permits its edges, 1 only its centre.
+    /// Distance of contact forces from the edges of each sole: 0 permits its edges, 1 only its
+    /// centre.
     #[serde(deserialize_with = "fraction")]
     #[schemars(with = "json::Fraction")]
     pub margin: f64,
@@ -78,8 +83,8 @@ pub enum Contacts {
     Sensed,
 }
 
-/// New values; values left out stay. Gains apply at once; the reference of the centre of mass moves to a
-/// new `offset` from its present position.
+/// New values; values left out stay. Gains apply at once; the reference of the centre of mass moves
+/// to a new `offset` from its present position.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ForceBalanceChange {

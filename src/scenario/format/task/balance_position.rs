@@ -15,7 +15,8 @@ pub struct PositionBalance {
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub proportional: f64,
-    /// Commanded displacement against its velocity, s. Left out: 0.1, or more under a slower pendulum.
+    /// Commanded displacement against its velocity, s. Left out: 0.1, or more under a slower
+    /// pendulum.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
     #[schemars(with = "Option<json::NonNegative>")]
     pub damping: Option<f64>,
@@ -23,8 +24,8 @@ pub struct PositionBalance {
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub integral: f64,
-    /// Rate of displacement per distance of the zero-moment point from the reference, 1/s: leans against a lasting push.
-    /// Left out: 2, or a third of sqrt(g/h) if that is less.
+    /// Rate of displacement per distance of the zero-moment point from the reference, 1/s: leans
+    /// against a lasting push. Left out: 2, or a third of sqrt(g/h) if that is less.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_non_negative")]
     #[schemars(with = "Option<json::NonNegative>")]
     pub leaning: Option<f64>,
@@ -32,7 +33,8 @@ pub struct PositionBalance {
     #[serde(deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub reach: f64,
-    /// Rate at which joints return to the posture of the start as far as soles and centre of mass allow, 1/s.
+    /// Rate at which joints return to the posture of the start as far as soles and centre of mass
+    /// allow, 1/s.
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub posture: f64,
@@ -42,7 +44,8 @@ pub struct PositionBalance {
     pub approach: f64,
     /// Displacement of the reference from the point of optimal stability, world axes, m.
     pub offset: [f64; 2],
-    /// Mobility of joints by name: 0 excludes one. Left out: 1 for those that move a sole, 0 for the others.
+    /// Mobility of joints by name: 0 excludes one. Left out: 1 for those that move a sole, 0 for
+    /// the others.
     pub mobility: BTreeMap<String, f64>,
     /// True commands the carrying joints efforts against gravity in addition to positions.
     pub feed_forward: bool,

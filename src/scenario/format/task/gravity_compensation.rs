@@ -3,10 +3,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::scenario::format::defaults;
 use crate::text::quantity::{fraction, json, non_negative, positive, some_fraction, some_non_negative, some_positive};
 
-/// Commands efforts that carry the robot in any posture and yield to pushes: the force control of `balance` without a
-/// reference.
+/// Commands efforts that carry the robot in any posture and yield to pushes: the force control of
+/// `balance` without a reference.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GravityCompensationTask {
@@ -22,15 +23,16 @@ pub struct GravityCompensationTask {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub soles: Option<Vec<String>>,
     /// Damping of every joint: deceleration per velocity, 1/s.
-    #[serde(default = "two", deserialize_with = "non_negative")]
+    #[serde(default = "defaults::two", deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub damping: f64,
     /// Friction coefficient that contact forces may use.
-    #[serde(default = "half", deserialize_with = "positive")]
+    #[serde(default = "defaults::half", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub friction: f64,
-    /// Distance of contact forces from the edges of each sole: 0 permits its edges, 1 only its centre.
-    #[serde(default = "tenth", deserialize_with = "fraction")]
+    /// Distance of contact forces from the edges of each sole: 0 permits its edges, 1 only its
+    /// centre.
+    #[serde(default = "defaults::tenth", deserialize_with = "fraction")]
     #[schemars(with = "json::Fraction")]
     pub margin: f64,
     /// New values at given times, ascending.
@@ -58,16 +60,4 @@ pub struct CompensationChange {
     #[serde(default, deserialize_with = "some_fraction", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<json::Fraction>")]
     pub margin: Option<f64>,
-}
-
-fn two() -> f64 {
-    2.0
-}
-
-fn half() -> f64 {
-    0.5
-}
-
-fn tenth() -> f64 {
-    0.1
 }

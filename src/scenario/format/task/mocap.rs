@@ -5,9 +5,11 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::scenario::format::defaults;
 use crate::text::quantity::{angle, json, non_negative, positive, some_positive};
 
-/// Follows captured motion: channels of a BVH or CSV file mapped to joints, kept within their ranges and speeds.
+/// Follows captured motion: channels of a BVH or CSV file mapped to joints, kept within their
+/// ranges and speeds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MocapTask {
@@ -19,15 +21,15 @@ pub struct MocapTask {
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
     /// Seconds of the recording per simulated second.
-    #[serde(default = "one", deserialize_with = "positive")]
+    #[serde(default = "defaults::one", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub speed: f64,
     /// Time in which the commands at `start` blend into the motion, s; 0: at once.
-    #[serde(default = "half", deserialize_with = "non_negative")]
+    #[serde(default = "defaults::half", deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub blend: f64,
     /// Width of the averaging window, s; 0: no averaging.
-    #[serde(default = "tenth", deserialize_with = "non_negative")]
+    #[serde(default = "defaults::tenth", deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub smoothing: f64,
     /// Greatest commanded speed of any joint, rad/s or m/s, in addition to the joint's own limit.
@@ -45,22 +47,10 @@ pub struct MocapTarget {
     /// Joint.
     pub joint: String,
     /// Factor, such as -1 for an axis of opposite direction.
-    #[serde(default = "one")]
+    #[serde(default = "defaults::one")]
     pub scale: f64,
     /// Joint position at channel value 0, rad or m.
     #[serde(default, deserialize_with = "angle")]
     #[schemars(with = "json::Angle")]
     pub offset: f64,
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-fn half() -> f64 {
-    0.5
-}
-
-fn tenth() -> f64 {
-    0.1
 }

@@ -3,14 +3,15 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::scenario::format::defaults;
 use crate::text::quantity::{json, non_negative, positive};
 
 /// Plays a motion file: postures at times, joined by curves of least jerk.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaybackTask {
-    /// The motion: postures (`.toml`), a table of joint positions over time (`.csv`) or the log of a run (`.mcap`),
-    /// relative to this file.
+    /// The motion: postures (`.toml`), a table of joint positions over time (`.csv`) or the log of
+    /// a run (`.mcap`), relative to this file.
     #[schemars(length(min = 1))]
     pub file: String,
     /// Simulated time of time 0 of the motion, s.
@@ -18,7 +19,7 @@ pub struct PlaybackTask {
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
     /// Seconds of the motion per simulated second.
-    #[serde(default = "one", deserialize_with = "positive")]
+    #[serde(default = "defaults::one", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub speed: f64,
     /// Boundary conditions at the first and last posture; left out: clamped.
@@ -27,8 +28,9 @@ pub struct PlaybackTask {
     /// Repeats without end; the motion must end in its first posture.
     #[serde(default, rename = "loop")]
     pub repeat: bool,
-    /// Time in which the commands at `start` blend into the motion, and one speed into the next, s; 0: at once.
-    #[serde(default = "half", deserialize_with = "non_negative")]
+    /// Time in which the commands at `start` blend into the motion, and one speed into the next, s;
+    /// 0: at once.
+    #[serde(default = "defaults::half", deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub blend: f64,
     /// The joints that play, by name; empty: all that the motion names.
@@ -76,12 +78,4 @@ pub enum Recorded {
     Desired,
     /// Actual positions.
     Actual,
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-fn half() -> f64 {
-    0.5
 }

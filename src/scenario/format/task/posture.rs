@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::scenario::format::defaults;
 use crate::text::quantity::{joint_positions, json, non_negative, positive};
 
 /// Moves joints from their present positions to a posture along minimum-jerk curves, and holds it.
@@ -16,15 +17,11 @@ pub struct PostureTask {
     #[schemars(with = "json::NonNegative")]
     pub start: f64,
     /// Duration of the motion, s.
-    #[serde(default = "one", deserialize_with = "positive")]
+    #[serde(default = "defaults::one", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub duration: f64,
     /// Goal by joint name, rad or m.
     #[serde(deserialize_with = "joint_positions")]
     #[schemars(with = "BTreeMap<String, json::Angle>")]
     pub joints: BTreeMap<String, f64>,
-}
-
-fn one() -> f64 {
-    1.0
 }

@@ -5,9 +5,11 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::scenario::format::defaults;
 use crate::text::quantity::{angle, json, non_negative, positive, some_angle, some_positive};
 
-/// Moves joints sinusoidally: `q = offset + amplitude sin(2 pi frequency t + phase)`, t from `start`.
+/// Moves joints sinusoidally: `q = offset + amplitude sin(2 pi frequency t + phase)`, t from
+/// `start`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SineTask {
@@ -19,9 +21,9 @@ pub struct SineTask {
     #[serde(default, deserialize_with = "some_positive", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<json::Positive>")]
     pub duration: Option<f64>,
-    /// Time of each transition, s: from the commanded positions to the oscillation, back at the end of `duration`, and
-    /// between sets of parameters; 0: at once.
-    #[serde(default = "half", deserialize_with = "non_negative")]
+    /// Time of each transition, s: from the commanded positions to the oscillation, back at the end
+    /// of `duration`, and between sets of parameters; 0: at once.
+    #[serde(default = "defaults::half", deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub ramp: f64,
     /// The joints by name.
@@ -40,7 +42,7 @@ pub struct SineJoint {
     #[schemars(with = "json::Angle")]
     pub amplitude: f64,
     /// Frequency, Hz.
-    #[serde(default = "one", deserialize_with = "positive")]
+    #[serde(default = "defaults::one", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub frequency: f64,
     /// Phase at `start`, rad.
@@ -81,12 +83,4 @@ pub struct SineJointChange {
     #[serde(deserialize_with = "some_angle", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<json::Angle>")]
     pub offset: Option<f64>,
-}
-
-fn half() -> f64 {
-    0.5
-}
-
-fn one() -> f64 {
-    1.0
 }

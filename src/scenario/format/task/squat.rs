@@ -3,10 +3,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::scenario::format::defaults;
 use crate::text::quantity::{count, json, non_negative, positive};
 
-/// Lowers the centre of mass and raises it again over the middle of the soles. The soles do not move, and the root link
-/// stays upright.
+/// Lowers the centre of mass and raises it again over the middle of the soles. The soles do not
+/// move, and the root link stays upright.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SquatTask {
@@ -17,7 +18,7 @@ pub struct SquatTask {
     /// Depth of the centre of mass, m; negative: it rises first.
     pub depth: f64,
     /// Time of one cycle, down and up, s.
-    #[serde(default = "two", deserialize_with = "positive")]
+    #[serde(default = "defaults::two", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub period: f64,
     /// Number of cycles.
@@ -25,26 +26,14 @@ pub struct SquatTask {
     #[schemars(with = "json::Count")]
     pub repetitions: u32,
     /// Time in which the centre of mass first moves over the middle of the soles, s.
-    #[serde(default = "second", deserialize_with = "positive")]
+    #[serde(default = "defaults::one", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub settle: f64,
     /// True commands the carrying joints the efforts of the motion in addition to positions.
-    #[serde(default = "yes")]
+    #[serde(default = "defaults::yes")]
     pub feed_forward: bool,
 }
 
 fn one() -> u32 {
     1
-}
-
-fn second() -> f64 {
-    1.0
-}
-
-fn two() -> f64 {
-    2.0
-}
-
-fn yes() -> bool {
-    true
 }

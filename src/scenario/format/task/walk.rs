@@ -3,10 +3,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::scenario::format::defaults;
 use crate::text::quantity::{count, json, non_negative, positive, some_positive};
 
-/// Walks with two feet along a straight line, or steps on the spot. The centre of mass follows from the zero-moment point
-/// by preview control.
+/// Walks with two feet along a straight line, or steps on the spot. The centre of mass follows from
+/// the zero-moment point by preview control.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WalkTask {
@@ -41,14 +42,14 @@ pub struct WalkTask {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub first: Option<String>,
     /// Time in which the centre of mass first moves to its height over the middle of the soles, s.
-    #[serde(default = "second", deserialize_with = "positive")]
+    #[serde(default = "defaults::one", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
     pub settle: f64,
     /// True commands the carrying joints the efforts of the motion in addition to positions.
-    #[serde(default = "yes")]
+    #[serde(default = "defaults::yes")]
     pub feed_forward: bool,
     /// Time before the first step and after the last with sway of the centre of mass only, s.
-    #[serde(default = "second", deserialize_with = "non_negative")]
+    #[serde(default = "defaults::one", deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub wait: f64,
 }
@@ -67,12 +68,4 @@ fn double_support() -> f64 {
 
 fn step_height() -> f64 {
     0.015
-}
-
-fn second() -> f64 {
-    1.0
-}
-
-fn yes() -> bool {
-    true
 }

@@ -1,8 +1,9 @@
 //! Random numbers in the open interval (0, 1), from the scenario's seed, the same on every machine.
 //!
-//! Independent and Latin hypercube draws use one ChaCha8 stream per key, seeded with the BLAKE3 hash of seed and path, so
-//! another key changes nothing. A Sobol sequence fills all its dimensions together: a key's numbers depend on its index
-//! among the keys. Sources: [McKay 1979] (Latin hypercube); [Burley 2020] (Owen scrambling).
+//! Independent and Latin hypercube draws use one ChaCha8 stream per key, seeded with the BLAKE3
+//! hash of seed and path, so another key changes nothing. A Sobol sequence fills all its dimensions
+//! together: a key's numbers depend on its index among the keys. Sources: [McKay 1979] (Latin
+//! hypercube); [Burley 2020] (Owen scrambling).
 
 use crate::random::Stream;
 use crate::scenario::key_path::KeyPath;
@@ -33,7 +34,8 @@ pub fn latin(seed: u64, path: &KeyPath, n: usize) -> Vec<f64> {
 pub fn sobol(seed: u64, dimension: u32, n: usize) -> Vec<f64> {
     let hash = blake3::hash(&seed.to_le_bytes());
     let scramble = u32::from_le_bytes(hash.as_bytes()[..4].try_into().unwrap_or_default());
-    // The middle of the interval of 2^-24 that a number represents: 0 has no quantile of a normal distribution.
+    // The middle of the interval of 2^-24 that a number represents: 0 has no quantile of a normal
+    // distribution.
     let middle = |i: u32| f64::from(sobol_burley::sample(i, dimension, scramble)) + 0.5f64.powi(25);
     (0..n as u32).map(middle).collect()
 }
@@ -99,7 +101,8 @@ mod tests {
     #[test]
     fn a_sobol_sequence_fills_the_square_more_evenly_than_chance() {
         let n = 256;
-        // The expected square for independent numbers is (1/4 - 1/9) / n; of a (0, 8, 2) net it is smaller by about n.
+        // The expected square for independent numbers is (1/4 - 1/9) / n; of a (0, 8, 2) net it is
+        // smaller by about n.
         let chance = ((0.25f64 - 1.0 / 9.0) / n as f64).sqrt();
         let (mut even, mut random, mut latins) = (0.0f64, 0.0, 0.0);
         for seed in 0..20 {
@@ -117,7 +120,8 @@ mod tests {
     fn independent_numbers_are_uniform() {
         let n = 40_000;
         let drawn = independent(3, &path("floor.friction"), n);
-        // Pearson's statistic over 100 parts: 99 degrees of freedom, mean 99, standard deviation 14; five of them.
+        // Pearson's statistic over 100 parts: 99 degrees of freedom, mean 99, standard deviation
+        // 14; five of them.
         let mut counts = [0.0f64; 100];
         drawn.iter().for_each(|x| counts[(x * 100.0) as usize] += 1.0);
         let expected = n as f64 / 100.0;

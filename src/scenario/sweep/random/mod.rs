@@ -1,23 +1,23 @@
-//! Random samples of swept keys: [`draw`] gives numbers between 0 and 1, and a distribution's quantile function maps them
-//! to values, so that each sampling method serves each distribution.
+//! Random samples of swept keys: [`draw`] gives numbers between 0 and 1, and a distribution's
+//! quantile function maps them to values, so that each sampling method serves each distribution.
 
 mod draw;
 mod normal;
 
-use super::axis::alike;
+use super::axis::unify_numbers;
 use crate::scenario::format::random::{Distribution, RandomSpec, Sampling};
 use crate::scenario::key_path::KeyPath;
 use crate::text::toml_tree::{Node, Value};
 
-/// Most samples and keys of a Sobol sequence, by its table of direction numbers.
+/// Greatest number of samples of a Sobol sequence, by its table of direction numbers.
 pub const SOBOL_SAMPLES: u32 = 1 << 16;
-/// See [`SOBOL_SAMPLES`].
+/// Greatest number of keys of a Sobol sequence, by the same table.
 pub const SOBOL_KEYS: usize = sobol_burley::NUM_DIMENSIONS as usize;
 
-/// The samples of one key, in order. `seed` is the scenario's, `index` the key's index among those of `random`; `node` is
-/// the distribution in the file.
-pub fn nodes(spec: &RandomSpec, seed: u64, path: &KeyPath, index: usize, node: &Node) -> Vec<Node> {
-    let Some(distribution) = spec.key_at(index) else { return Vec::new() };
+/// The samples of one key, in order. `seed` is the scenario's, `index` the key's index among those
+/// of `random`; `node` is the distribution in the file.
+pub fn samples(spec: &RandomSpec, seed: u64, path: &KeyPath, index: usize, node: &Node) -> Vec<Node> {
+    let Some((_, distribution)) = spec.keys.get(index) else { return Vec::new() };
     let n = spec.samples as usize;
     let draws = match spec.sampling {
         Sampling::Random => draw::independent(seed, path, n),
@@ -40,7 +40,7 @@ pub fn nodes(spec: &RandomSpec, seed: u64, path: &KeyPath, index: usize, node: &
         }
         Distribution::Choice(_) => {
             let written = node.get("choice").map(Node::items).unwrap_or_default();
-            let choices = alike(written.to_vec());
+            let choices = unify_numbers(written.to_vec());
             let chosen = |u: f64| ((u * choices.len() as f64) as usize).min(choices.len() - 1);
             draws.into_iter().map(|u| choices[chosen(u)].clone()).collect()
         }

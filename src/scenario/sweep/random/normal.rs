@@ -1,14 +1,14 @@
-//! The quantile function of the standard normal distribution, by rational approximations to 16 digits: algorithm AS 241
-//! (PPND16), M. J. Wichura, Applied Statistics 37 (1988) 477. Coefficients in rising powers,
-//! with the digits they were published with.
+//! The quantile function of the standard normal distribution, by rational approximations to 16
+//! digits: algorithm AS 241 (PPND16), M. J. Wichura, Applied Statistics 37 (1988) 477. Coefficients
+//! in rising powers, with the digits they were published with.
 #![allow(clippy::excessive_precision)]
 
-/// |p - 1/2| below this is the middle.
+/// Greatest |p - 1/2| at which the approximation of the middle holds.
 const MIDDLE: f64 = 0.425;
 /// sqrt(-ln p) at which the second approximation of the tails takes over.
 const FAR: f64 = 5.0;
 
-const MIDDLE_ABOVE: [f64; 8] = [
+const MIDDLE_NUMERATOR: [f64; 8] = [
     3.387_132_872_796_366_608,
     1.331_416_678_917_843_774_5e2,
     1.971_590_950_306_551_442_7e3,
@@ -18,7 +18,7 @@ const MIDDLE_ABOVE: [f64; 8] = [
     3.343_057_558_358_812_810_5e4,
     2.509_080_928_730_122_672_7e3,
 ];
-const MIDDLE_BELOW: [f64; 8] = [
+const MIDDLE_DENOMINATOR: [f64; 8] = [
     1.0,
     4.231_333_070_160_091_125_2e1,
     6.871_870_074_920_579_083e2,
@@ -28,7 +28,7 @@ const MIDDLE_BELOW: [f64; 8] = [
     2.872_908_573_572_194_267_4e4,
     5.226_495_278_852_854_561e3,
 ];
-const TAIL_ABOVE: [f64; 8] = [
+const TAIL_NUMERATOR: [f64; 8] = [
     1.423_437_110_749_683_577_34,
     4.630_337_846_156_545_295_9,
     5.769_497_221_460_691_405_5,
@@ -38,7 +38,7 @@ const TAIL_ABOVE: [f64; 8] = [
     2.272_384_498_926_918_458_33e-2,
     7.745_450_142_783_414_076_4e-4,
 ];
-const TAIL_BELOW: [f64; 8] = [
+const TAIL_DENOMINATOR: [f64; 8] = [
     1.0,
     2.053_191_626_637_758_821_87,
     1.676_384_830_183_803_849_4,
@@ -48,7 +48,7 @@ const TAIL_BELOW: [f64; 8] = [
     5.475_938_084_995_344_946e-4,
     1.050_750_071_644_416_843_24e-9,
 ];
-const FAR_ABOVE: [f64; 8] = [
+const FAR_NUMERATOR: [f64; 8] = [
     6.657_904_643_501_103_777_2,
     5.463_784_911_164_114_369_9,
     1.784_826_539_917_291_335_8,
@@ -58,7 +58,7 @@ const FAR_ABOVE: [f64; 8] = [
     2.711_555_568_743_487_578_15e-5,
     2.010_334_399_292_288_132_65e-7,
 ];
-const FAR_BELOW: [f64; 8] = [
+const FAR_DENOMINATOR: [f64; 8] = [
     1.0,
     5.998_322_065_558_879_376_9e-1,
     1.369_298_809_227_358_053_1e-1,
@@ -69,20 +69,24 @@ const FAR_BELOW: [f64; 8] = [
     2.044_263_103_389_939_785_64e-15,
 ];
 
-/// The number that a standard normal variable stays below with probability `p`, between 0 and 1.
+/// The number below which a standard normal variable lies with probability `p`, between 0 and 1.
 pub fn quantile(p: f64) -> f64 {
     let q = p - 0.5;
     if q.abs() <= MIDDLE {
-        return q * ratio(&MIDDLE_ABOVE, &MIDDLE_BELOW, MIDDLE * MIDDLE - q * q);
+        return q * ratio(&MIDDLE_NUMERATOR, &MIDDLE_DENOMINATOR, MIDDLE * MIDDLE - q * q);
     }
     let r = (-(p.min(1.0 - p)).ln()).sqrt();
-    let size = if r <= FAR { ratio(&TAIL_ABOVE, &TAIL_BELOW, r - 1.6) } else { ratio(&FAR_ABOVE, &FAR_BELOW, r - FAR) };
+    let size = if r <= FAR {
+        ratio(&TAIL_NUMERATOR, &TAIL_DENOMINATOR, r - 1.6)
+    } else {
+        ratio(&FAR_NUMERATOR, &FAR_DENOMINATOR, r - FAR)
+    };
     size.copysign(q)
 }
 
-fn ratio(above: &[f64; 8], below: &[f64; 8], x: f64) -> f64 {
+fn ratio(numerator: &[f64; 8], denominator: &[f64; 8], x: f64) -> f64 {
     let at = |c: &[f64; 8]| c.iter().rev().fold(0.0, |sum, c| sum * x + c);
-    at(above) / at(below)
+    at(numerator) / at(denominator)
 }
 
 #[cfg(test)]

@@ -1,29 +1,30 @@
 //! `inertial`: gyroscope and acceleration integrated.
 //!
-//! Over a period T between ticks k-1 and k, with the gyroscope's omega and the specific force f in the axes of the IMU,
-//! the IMU's own orientation R, position p and velocity v follow
+//! Over a period T between ticks k-1 and k, with the gyroscope's omega and the specific force f in
+//! the axes of the IMU, the IMU's own orientation R, position p and velocity v follow
 //!
 //! ```text
 //! R_k = R_{k-1} exp(T (omega_{k-1} + omega_k) / 2)        R_mid = R_{k-1} exp(T (omega_{k-1} + omega_k) / 4)
 //! a = R_mid f_k + g        p_k = p_{k-1} + T v_{k-1} + T^2 a / 2        v_k = v_{k-1} + T a
 //! ```
 //!
-//! and the base follows from the sensed joints between the two. This is of second order in T; `f_k` is the mean over
-//! the period (see [`crate::sim::sensing::sensors`]), so that velocity changes at impacts are kept. By soles, as
-//! [Hale 2008], section II, integrates gyroscopes and force plates, the centre of mass is integrated instead,
+//! and the base follows from the sensed joints between the two. This is of second order in T; `f_k`
+//! is the mean over the period (see [`crate::sim::sensing::sensors`]), so that velocity changes at
+//! impacts count. With `by_soles` the centre of mass is integrated instead, as [Hale 2008], section
+//! II, integrates gyroscopes and force plates,
 //!
 //! ```text
 //! a = F_k / m + g        F_k = mean over the period of the sum of the forces on the soles, impacts included
 //! ```
 //!
-//! and the base follows from it and the joints; forces elsewhere are not seen. Neither is tied to the floor: errors of
-//! the readings accumulate.
+//! and the base follows from it and the joints; forces elsewhere are not measured. In both variants
+//! errors of the readings accumulate.
 
 use super::Imu;
 use crate::dynamics::chain::FrameMotion;
 use crate::dynamics::{State, Workspace, body, kinematics};
 use crate::robot::Model;
-use crate::task::Sensed;
+use crate::task::SensorReadings;
 use nalgebra::{UnitQuaternion, Vector3};
 
 pub(super) struct Inertial {
@@ -64,7 +65,7 @@ impl Inertial {
         self.by_soles
     }
 
-    pub fn begin(&mut self, model: &Model, state: &State, sensed: &Sensed) {
+    pub fn begin(&mut self, model: &Model, state: &State, sensed: &SensorReadings) {
         self.omega = sensed.angular_velocity;
         self.frame = self.imu.motion(model, state);
         let (c, u) = self.com_from_base(model, state);
@@ -73,7 +74,7 @@ impl Inertial {
     }
 
     /// Updates `out`, which holds the last estimate of the base and the present joint readings.
-    pub fn update(&mut self, model: &Model, sensed: &Sensed, dt: f64, out: &mut State) {
+    pub fn update(&mut self, model: &Model, sensed: &SensorReadings, dt: f64, out: &mut State) {
         let mean = (self.omega + sensed.angular_velocity) * 0.5;
         self.omega = sensed.angular_velocity;
         let frame = &mut self.frame;

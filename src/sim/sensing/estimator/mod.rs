@@ -1,7 +1,7 @@
 //! Base estimators: the base's pose and velocity from sensor readings.
 //!
-//! Both start from the true pose and velocity of the base. From then on they have no access to the floor, external
-//! forces or the simulated base.
+//! Both start from the true pose and velocity of the base. From then on they have no access to the
+//! floor, external forces or the simulated base.
 
 mod inertial;
 mod kinematic;
@@ -9,12 +9,12 @@ mod kinematic;
 use super::imu::Imu;
 use crate::dynamics::State;
 use crate::robot::Model;
-use crate::task::Sensed;
+use crate::task::SensorReadings;
 use inertial::Inertial;
 use kinematic::Kinematic;
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// Which estimator, and its parameters.
+/// An estimator and its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EstimatorSetup {
     /// The simulated base; joints as sensed.
@@ -28,7 +28,7 @@ pub enum EstimatorSetup {
     },
     /// See `inertial.rs`.
     Inertial {
-        /// Accelerates by the sole forces, not by the accelerometer.
+        /// Whether accelerations come from the sole forces, not from the accelerometer.
         by_soles: bool,
     },
 }
@@ -68,7 +68,7 @@ impl Estimator {
     }
 
     /// Does it integrate the forces on the soles?
-    pub fn adds_forces(&self) -> bool {
+    pub fn integrates_forces(&self) -> bool {
         matches!(&self.kind, Kind::Inertial(i) if i.by_soles())
     }
 
@@ -77,9 +77,9 @@ impl Estimator {
         self.started = false;
     }
 
-    /// Updates the estimate with the readings of a tick. The base is copied from readings that contain it at the
-    /// first tick, and by [`EstimatorSetup::Truth`] at every tick.
-    pub fn update(&mut self, model: &Model, sensed: &Sensed) {
+    /// Updates the estimate with the readings of a tick. If they contain the base, it is copied at
+    /// the first tick, and with [`EstimatorSetup::Truth`] at every tick.
+    pub fn update(&mut self, model: &Model, sensed: &SensorReadings) {
         let nb = model.nb();
         let dt = sensed.time - self.state.time;
         let first = !std::mem::replace(&mut self.started, true);
@@ -98,17 +98,17 @@ impl Estimator {
         }
     }
 
-    /// For each sole: does the kinematic estimator hold it static? Empty for the others.
+    /// For each sole: does the kinematic estimator take it as static? Empty for other estimators.
     pub fn static_soles(&self) -> &[bool] {
         match &self.kind {
-            Kind::Kinematic(k) => k.held(),
+            Kind::Kinematic(k) => k.static_soles(),
             _ => &[],
         }
     }
 
     /// Distance of the estimated base from the true one, m, and the angle between them, rad.
     pub fn error(&self, truth: &State) -> (f64, f64) {
-        // By the vector part: the arc cosine would lose half the digits of a small angle.
+        // The arc cosine would lose half the digits of a small angle.
         let turn: UnitQuaternion<f64> = self.state.rotation.inverse() * truth.rotation;
         let angle = 2.0 * turn.imag().norm().atan2(turn.w.abs());
         ((self.state.position - truth.position).norm(), angle)

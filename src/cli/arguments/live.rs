@@ -1,0 +1,116 @@
+//! Options `--live` and `--live-wait`: stream a run to viewers while it is simulated.
+
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use clap::Args;
+use stiction::batch::{LiveClients, Plan};
+
+use crate::cli::arguments::link::address;
+use crate::cli::arguments::numbers::seconds;
+use crate::cli::terminal::{complain, counted};
+
+/// Live options of commands that execute one run.
+#[derive(Args, Debug)]
+pub struct Live {
+    /// Stream the run to Foxglove while it is simulated [default: 127.0.0.1:8765]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = address)]
+    #[arg(num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765")]
+    live: Option<SocketAddr>,
+    /// With --live: wait for a client before the first step, at most this long
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "live")]
+    live_wait: Option<Duration>,
+}
+
+impl Live {
+    /// Starts to listen if `--live` is given. `pace` is in simulated seconds per second.
+    pub fn start(&self, plan: &Plan, pace: Option<f64>) -> Result<Option<Box<dyn LiveClients>>, LiveError> {
+        let Some(address) = self.live else { return Ok(None) };
+        if plan.runs() != 1 {
+            let runs = counted(plan.runs(), plan.references());
+            return Err(LiveError::SeveralRuns(runs));
+        }
+        self.listen(address, pace).map(Some)
+    }
+
+    #[cfg(feature = "live")]
+    fn listen(&self, address: SocketAddr, pace: Option<f64>) -> Result<Box<dyn LiveClients>, LiveError> {
+        let server = stiction::live::LiveServer::start(address)?;
+        complain(&format!("live at ws://{}", server.address()));
+        Ok(Box::new(Server { server, pace, wait_limit: self.live_wait, notes: std::sync::Mutex::default() }))
+    }
+
+    #[cfg(not(feature = "live"))]
+    fn listen(&self, _: SocketAddr, _: Option<f64>) -> Result<Box<dyn LiveClients>, LiveError> {
+        let _ = self.live_wait;
+        Err(LiveError::NotBuilt)
+    }
+}
+
+/// Prints the notes on live clients.
+pub fn print_notes(clients: Option<&dyn LiveClients>) {
+    clients.iter().flat_map(|clients| clients.notes()).for_each(|line| complain(&line));
+}
+
+/// Why a run cannot be streamed.
+#[derive(Debug, thiserror::Error)]
+pub enum LiveError {
+    /// The plan has several runs.
+    #[error("--live streams one run, and this is {0}: choose one with --filter or --set")]
+    SeveralRuns(String),
+    /// The program lacks the feature.
+    #[cfg(not(feature = "live"))]
+    #[error("this program was built without --live; `cargo build --release --features live` builds it with")]
+    NotBuilt,
+    /// The address cannot be listened on.
+    #[cfg(feature = "live")]
+    #[error(transparent)]
+    Listen(#[from] stiction::remote::LinkError),
+}
+
+/// Live clients of one run.
+#[cfg(feature = "live")]
+struct Server {
+    server: stiction::live::LiveServer,
+    pace: Option<f64>,
+    wait_limit: Option<Duration>,
+    notes: std::sync::Mutex<Vec<String>>,
+}
+
+#[cfg(feature = "live")]
+impl LiveClients for Server {
+    fn sink(&self) -> Box<dyn stiction::log::MessageSink> {
+        self.server.sink()
+    }
+
+    fn wait(&self, cancel: &std::sync::atomic::AtomicBool) {
+        if let Some(limit) = self.wait_limit
+            && !self.server.wait(limit, cancel)
+        {
+            self.note(format!("no client within {} s", limit.as_secs_f64()));
+        }
+    }
+
+    fn arrivals(&self) -> u64 {
+        self.server.subscriptions()
+    }
+
+    fn pace(&self) -> Option<f64> {
+        self.pace
+    }
+
+    fn finish(&self) {
+        self.note(self.server.flush().to_string());
+    }
+
+    fn notes(&self) -> Vec<String> {
+        self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone()
+    }
+}
+
+#[cfg(feature = "live")]
+impl Server {
+    fn note(&self, text: String) {
+        self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push(format!("live: {text}"));
+    }
+}

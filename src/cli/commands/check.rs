@@ -1,0 +1,48 @@
+//! `runner check`: validates scenarios without simulating them.
+
+use clap::Args;
+use stiction::batch::{CheckFinished, Message, Plan};
+use stiction::text::visible::visible_path;
+
+use crate::cli::Exit;
+use crate::cli::arguments::message_format::{Format, MessageFormat};
+use crate::cli::arguments::selection::Scenarios;
+use crate::cli::terminal::{counted, plural, print};
+
+/// Arguments of `check`.
+#[derive(Args, Debug)]
+pub struct Check {
+    #[command(flatten)]
+    scenarios: Scenarios,
+    #[command(flatten)]
+    format: Format,
+}
+
+impl Check {
+    /// Reports errors, or a summary if there are none.
+    pub fn execute(self) -> Result<Exit, Exit> {
+        let format = self.format.message_format;
+        let plan = self.scenarios.prepare(usize::MAX, format);
+        let exit = plan.as_ref().map_or_else(|exit| *exit, |_| Exit::Success);
+        let mut last = CheckFinished { exit_code: exit as u8, ..CheckFinished::default() };
+        if let Ok(plan) = &plan {
+            last.files = plan.files.iter().map(|file| file.display().to_string()).collect();
+            (last.runs, last.references) = (plan.runs(), plan.references());
+        }
+        format.emit(Message::CheckFinished(last))?;
+        if format == MessageFormat::Human {
+            print(&summary(&plan?))?;
+        }
+        Ok(exit)
+    }
+}
+
+fn summary(plan: &Plan) -> String {
+    let mut text = String::new();
+    for file in &plan.files {
+        let runs = plan.runs_of(file);
+        text += &format!("{}: {}\n", visible_path(file), plural(runs, "run"));
+    }
+    let runs = counted(plan.runs(), plan.references());
+    text + &format!("all good: {}, {runs}\n", plural(plan.files.len(), "scenario"))
+}

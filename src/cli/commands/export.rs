@@ -1,0 +1,240 @@
+//! `runner export`: writes a log's time series as CSV, Parquet or columns of text.
+
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+use stiction::files::names;
+
+use clap::{Args, ValueEnum};
+use stiction::export::{self, DataTable, ExportError, HeaderStyle, NumberFormat};
+use stiction::export::{Selection, TableFormat, TextFormat, TimeUnit};
+use stiction::log::{LogError, Trajectory};
+
+use crate::cli::Exit;
+use crate::cli::arguments::numbers;
+use crate::cli::terminal::{complain, complain_of, print};
+
+/// Arguments of `export`.
+#[derive(Args, Debug)]
+pub struct Export {
+    /// A log, or the folder of a run
+    #[arg(value_name = "LOG|FOLDER")]
+    log: PathBuf,
+    /// File to write [default: standard output]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Format [default: by the extension of the file]
+    #[arg(long, value_enum)]
+    format: Option<Kind>,
+    /// Rows per simulated second, Hz [default: the instants of the log]
+    #[arg(long, value_name = "HZ", value_parser = numbers::positive, allow_negative_numbers = true)]
+    rate: Option<f64>,
+    /// Columns by name, with `*` and `?` as wildcards; separated by commas, may be repeated
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    columns: Vec<String>,
+    /// First instant, s
+    #[arg(long, value_name = "S", value_parser = numbers::finite, allow_negative_numbers = true)]
+    from: Option<f64>,
+    /// Last instant, s
+    #[arg(long, value_name = "S", value_parser = numbers::finite, allow_negative_numbers = true)]
+    to: Option<f64>,
+    /// Export events (touchdown, slip, impact, ...) instead of time series
+    #[arg(long, conflicts_with_all = ["columns", "rate", "list_columns"])]
+    events: bool,
+    /// Print the names of the columns only
+    #[arg(long, conflicts_with = "output")]
+    list_columns: bool,
+    #[command(flatten)]
+    text: Text,
+}
+
+/// Format of text for gnuplot.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Text for gnuplot")]
+struct Text {
+    /// Separator of cells: `space`, `tab`, `comma`, `semicolon` or the characters themselves
+    /// [default: space]
+    #[arg(long, value_name = "WORD", value_parser = export::separator)]
+    separator: Option<String>,
+    /// Format of numbers: `exact`, or a printf format such as `%.9g` [default: exact]
+    #[arg(long, value_name = "FORMAT")]
+    numbers: Option<NumberFormat>,
+    /// Row of column names: plain, as a comment, or none [default: plain]
+    #[arg(long, value_enum)]
+    header: Option<HeaderKind>,
+    /// Start of comment lines [default: #]
+    #[arg(long, value_name = "SIGN", value_parser = export::visible)]
+    comment: Option<String>,
+    /// Text of missing values [default: NaN]
+    #[arg(long, value_name = "WORD", value_parser = export::visible)]
+    missing: Option<String>,
+    /// Unit of the time [default: s]
+    #[arg(long, value_enum)]
+    time_unit: Option<Unit>,
+    /// Start a new block (gnuplot's `index`) whenever this column changes
+    #[arg(long, value_name = "COLUMN")]
+    blocks: Option<String>,
+}
+
+/// Format of a table.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// Comma-separated values (.csv)
+    Csv,
+    /// Parquet (.parquet)
+    Parquet,
+    /// Columns of text (.dat, .txt)
+    Gnuplot,
+}
+
+/// Row of column names above columns of text.
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum HeaderKind {
+    Plain,
+    Comment,
+    None,
+}
+
+/// A unit of time.
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum Unit {
+    S,
+    Ms,
+    Min,
+}
+
+impl Export {
+    /// Reads the log and writes the selected data.
+    pub fn execute(self) -> Result<Exit, Exit> {
+        let format = self.format()?;
+        let log = self.read()?;
+        if self.list_columns {
+            print(&export::column_names(&log).iter().map(|name| format!("{name}\n")).collect::<String>())?;
+            return Ok(Exit::Success);
+        }
+        let table = self.table(&log).map_err(refuse)?;
+        if !log.complete {
+            complain("warning: the run did not end by itself; its log ends early");
+        }
+        match &self.output {
+            Some(path) => {
+                export::write(&table, &format, path).map_err(|error| match &error {
+                    ExportError::Record(cause) => {
+                        refuse(&error);
+                        Exit::of_writing(cause)
+                    }
+                    _ => refuse(error),
+                })?;
+                complain(&format!("{}: {} columns, {} rows", path.display(), table.columns().len(), table.rows()));
+            }
+            None => {
+                let bytes = export::to_bytes(&table, &format).map_err(refuse)?;
+                print(&String::from_utf8_lossy(&bytes))?;
+            }
+        }
+        Ok(Exit::Success)
+    }
+
+    fn table(&self, log: &Trajectory) -> Result<DataTable, ExportError> {
+        let selection = Selection { columns: self.columns.clone(), rate: self.rate, from: self.from, to: self.to };
+        if self.events { Ok(export::events(log, &selection)) } else { export::series(log, &selection) }
+    }
+
+    fn read(&self) -> Result<Trajectory, Exit> {
+        let path = if self.log.is_dir() { self.log.join(names::LOG) } else { self.log.clone() };
+        if let Some(output) = &self.output
+            && same_file(output, &path)
+        {
+            return Err(refuse(format!("{} is the log itself: choose another file to write", output.display())));
+        }
+        Trajectory::read(&path).map_err(|error| match &error {
+            LogError::Io { .. } if self.log.is_dir() && !path.exists() => {
+                refuse(format!("{}: no run's folder with a log: there is no log.mcap in it", self.log.display()))
+            }
+            _ => refuse(error),
+        })
+    }
+
+    fn format(&self) -> Result<TableFormat, Exit> {
+        let kind = match (self.format, &self.output) {
+            (Some(kind), _) => kind,
+            (None, None) => {
+                if self.text.is_given() {
+                    Kind::Gnuplot
+                } else {
+                    Kind::Csv
+                }
+            }
+            (None, Some(path)) => by_ending(path)?,
+        };
+        if kind != Kind::Gnuplot && self.text.is_given() {
+            return Err(refuse(
+                "separator, numbers, header, comment, missing, time-unit and blocks are of `--format gnuplot`",
+            ));
+        }
+        match kind {
+            Kind::Csv => Ok(TableFormat::Csv),
+            Kind::Parquet if self.output.is_none() && !self.list_columns => {
+                Err(refuse("Parquet is no text: name a file with `--output`"))
+            }
+            Kind::Parquet => Ok(TableFormat::Parquet),
+            Kind::Gnuplot => Ok(TableFormat::Text(self.text.format())),
+        }
+    }
+}
+
+impl Text {
+    fn is_given(&self) -> bool {
+        let Text { separator, numbers, header, comment, missing, time_unit, blocks } = self;
+        separator.is_some()
+            || numbers.is_some()
+            || header.is_some()
+            || comment.is_some()
+            || missing.is_some()
+            || time_unit.is_some()
+            || blocks.is_some()
+    }
+
+    fn format(&self) -> TextFormat {
+        let plain = TextFormat::default();
+        TextFormat {
+            separator: self.separator.clone().unwrap_or(plain.separator),
+            numbers: self.numbers.unwrap_or(plain.numbers),
+            header: self.header.map_or(plain.header, |h| match h {
+                HeaderKind::Comment => HeaderStyle::Comment,
+                HeaderKind::Plain => HeaderStyle::Plain,
+                HeaderKind::None => HeaderStyle::None,
+            }),
+            comment: self.comment.clone().unwrap_or(plain.comment),
+            missing: self.missing.clone().unwrap_or(plain.missing),
+            time: self.time_unit.map_or(plain.time, |t| match t {
+                Unit::S => TimeUnit::Seconds,
+                Unit::Ms => TimeUnit::Milliseconds,
+                Unit::Min => TimeUnit::Minutes,
+            }),
+            blocks: self.blocks.clone(),
+        }
+    }
+}
+
+fn by_ending(path: &Path) -> Result<Kind, Exit> {
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    match ending.as_str() {
+        "csv" => Ok(Kind::Csv),
+        "parquet" => Ok(Kind::Parquet),
+        "dat" | "txt" => Ok(Kind::Gnuplot),
+        _ => Err(refuse(format!(
+            "{}: unknown file extension: use .csv, .parquet, .dat or .txt, or give `--format`",
+            path.display()
+        ))),
+    }
+}
+
+/// Do both paths name the same existing file?
+fn same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+fn refuse(why: impl Display) -> Exit {
+    complain_of(why);
+    Exit::Invalid
+}

@@ -1,0 +1,35 @@
+//! `runner inspect`: describes a robot as the simulator uses it.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use stiction::collision::{self, CollisionModel};
+use stiction::robot::{self, InertiaPolicy};
+
+use crate::cli::{Exit, colour, terminal};
+
+/// Arguments of `inspect`.
+#[derive(Args, Debug)]
+pub struct Inspect {
+    /// A robot file or a URDF
+    #[arg(value_name = "ROBOT")]
+    robot: PathBuf,
+
+    /// Replace each inertia that no body can have by the nearest physical tensor, and list it
+    #[arg(long)]
+    repair: bool,
+}
+
+impl Inspect {
+    /// Prints the robot's model.
+    pub fn execute(self) -> Result<Exit, Exit> {
+        let robot = robot::load_with(&self.robot, self.repair.then_some(InertiaPolicy::Repair)).map_err(|error| {
+            terminal::complain_drawn(&error.render(colour::on_stderr()));
+            Exit::Invalid
+        })?;
+        terminal::print(&robot::inspect(&robot))?;
+        let bodies = CollisionModel::new(&robot.model, &robot.self_collision);
+        terminal::print(&collision::inspect(&bodies))?;
+        Ok(Exit::Success)
+    }
+}

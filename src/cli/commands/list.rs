@@ -1,0 +1,102 @@
+//! `runner list`: lists the runs that scenarios expand to.
+
+use clap::{Args, ValueEnum};
+use serde_json::{Map, Value, json};
+use stiction::batch::Plan;
+use stiction::results::ParamValue;
+use stiction::text::visible::visible;
+
+use crate::cli::Exit;
+use crate::cli::arguments::message_format::MessageFormat;
+use crate::cli::arguments::selection::Scenarios;
+use crate::cli::terminal::{complain, counted, print};
+
+/// Arguments of `list`.
+#[derive(Args, Debug)]
+pub struct List {
+    #[command(flatten)]
+    scenarios: Scenarios,
+    /// Format of the list
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+/// Format of a list.
+#[derive(ValueEnum, Clone, Copy, Debug)]
+enum Format {
+    /// Aligned columns, for people
+    Text,
+    /// An array of objects
+    Json,
+    /// One line per run below a header
+    Csv,
+}
+
+impl List {
+    /// Prints the runs in the order in which they would start.
+    pub fn execute(self) -> Result<Exit, Exit> {
+        let plan = self.scenarios.prepare(0, MessageFormat::Human)?;
+        if plan.references() > 0 {
+            complain(&counted(plan.runs(), plan.references()));
+        }
+        print(&match self.format {
+            Format::Text => text(&plan),
+            Format::Json => json(&plan),
+            Format::Csv => csv(&plan),
+        })?;
+        Ok(Exit::Success)
+    }
+}
+
+fn text(plan: &Plan) -> String {
+    let names = (0..plan.runs()).map(|run| visible(plan.scenario(run)).chars().count()).max().unwrap_or(0);
+    let lines = plan.jobs().map(|job| {
+        let line = format!("{:names$}  {}  {}", visible(&job.run.name), job.key, visible(&job.label));
+        format!("{}\n", line.trim_end())
+    });
+    lines.collect()
+}
+
+fn json(plan: &Plan) -> String {
+    let runs = plan.jobs().map(|job| {
+        let parameters: Map<String, Value> =
+            job.parameters().into_iter().map(|(name, value)| (name, json!(value))).collect();
+        json!({
+            "scenario": job.run.name,
+            "file": job.run.file.display().to_string(),
+            "key": job.key,
+            "seed": job.run.scenario.seed,
+            "reference": job.reference().map(|i| plan.reference_key(i)),
+            "parameters": parameters,
+        })
+    });
+    format!("{:#}\n", Value::Array(runs.collect()))
+}
+
+/// One column per swept parameter, empty where a run lacks it.
+fn csv(plan: &Plan) -> String {
+    let rows: Vec<Vec<(String, ParamValue)>> = plan.jobs().map(|job| job.parameters()).collect();
+    let mut names: Vec<&str> = Vec::new();
+    for (name, _) in rows.iter().flatten() {
+        if !names.contains(&name.as_str()) {
+            names.push(name);
+        }
+    }
+    let header = ["scenario", "key", "seed"].into_iter().chain(names.iter().copied()).map(String::from);
+    let mut out = line(header);
+    for (job, parameters) in plan.jobs().zip(&rows) {
+        let own = [job.run.name.clone(), job.key.clone(), job.run.scenario.seed.to_string()];
+        let value =
+            |name: &&str| parameters.iter().find(|(n, _)| n == name).map_or(String::new(), |(_, v)| v.to_string());
+        out += &line(own.into_iter().chain(names.iter().map(value)));
+    }
+    out
+}
+
+fn line(cells: impl Iterator<Item = String>) -> String {
+    let quoted = |cell: String| match cell.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", cell.replace('"', "\"\"")),
+        false => cell,
+    };
+    cells.map(quoted).collect::<Vec<_>>().join(",") + "\n"
+}

@@ -1,0 +1,75 @@
+//! `runner merge`: merges the results of shards into one folder.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use stiction::batch::marks_implausible;
+use stiction::files::names;
+use stiction::report::write_report_of_found;
+use stiction::results::merge::{MergeError, Merged, Shards};
+use stiction::results::{endings, overview};
+use stiction::text::visible::visible_path;
+
+use crate::cli::Exit;
+use crate::cli::exit::Ending;
+use crate::cli::terminal::{complain, complain_of, print, width};
+
+/// Arguments of `merge`.
+#[derive(Args, Debug)]
+pub struct Merge {
+    /// Folders of results, one per shard
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+    /// Folder of the merged results
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Merge even if shards or runs are missing
+    #[arg(long)]
+    partial: bool,
+}
+
+impl Merge {
+    /// Checks everything, then writes everything.
+    pub fn execute(self) -> Result<Exit, Exit> {
+        let refused = |error: MergeError| {
+            complain_of(error);
+            Exit::Invalid
+        };
+        let shards = Shards::open(&self.folders).map_err(refused)?;
+        shards.check_output(&self.output).map_err(refused)?;
+        let missing = shards.check().map_err(refused)?;
+        missing.lines.iter().for_each(|what| match self.partial {
+            true => complain(&format!("warning: {what}")),
+            false => complain_of(what),
+        });
+        if !missing.lines.is_empty() && !self.partial {
+            complain("nothing was written; --partial takes what is there");
+            return Err(Exit::Invalid);
+        }
+        let merged = shards.write(&self.output, &missing).map_err(refused)?;
+        let page = self.output.join(names::REPORT);
+        let runs = (merged.runs.as_slice(), &merged.statistics);
+        write_report_of_found(&page, &self.output, runs, &merged.references).map_err(|error| refused(error.into()))?;
+        print(&summary(&merged, &page))?;
+        Ok(Exit::of_ending(Ending { interrupted: None, unfinished: merged.unfinished > 0, failed: merged.failed > 0 }))
+    }
+}
+
+/// The summary of `run` without notes and times.
+fn summary(merged: &Merged, page: &Path) -> String {
+    let rows: Vec<_> = merged.runs.iter().map(|run| run.record.summary_row()).collect();
+    let marked = merged.runs.iter().filter(|run| run.record.notes.iter().any(|note| marks_implausible(note)));
+    let marked = marked.map(|run| run.record.scenario.as_str()).collect();
+    let mut out = overview(&merged.statistics, &marked, width());
+    let failed = endings(&rows, false);
+    if !failed.is_empty() {
+        out += &format!("\n{failed}");
+    }
+    out += "\nwritten:\n";
+    for path in [&*merged.summary.csv, &merged.summary.parquet, &merged.runs_log, page] {
+        // Writing to a String cannot fail.
+        let _ = writeln!(out, "  {}", visible_path(path));
+    }
+    out
+}

@@ -1,0 +1,95 @@
+//! `runner report`: rewrites summary and page from the records.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use stiction::files::{OutputKind, RecordError, check_replaceable, names};
+use stiction::report::{Pictured, found_runs, write_report_of};
+use stiction::results::pareto::{Work, pareto_table};
+use stiction::results::{FoundRun, Listing, SampledRuns, SummaryRow, list_records, write_summary_of};
+use stiction::text::visible::visible_path;
+
+use crate::cli::Exit;
+use crate::cli::terminal::{complain, complain_of, plural, print, width};
+
+/// Arguments of `report`.
+#[derive(Args, Debug)]
+pub struct Report {
+    /// Folder of results; all run.json files below it are read
+    #[arg(value_name = "RESULTS")]
+    results: PathBuf,
+    /// Keys of runs to plot over time, or their beginnings [default: failed runs and a few others]
+    #[arg(long, value_name = "KEY", num_args = 1..)]
+    runs: Vec<String>,
+    /// File of the page [default: report.html in RESULTS]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+impl Report {
+    /// Reads the records and rewrites summary and page.
+    pub fn execute(self) -> Result<Exit, Exit> {
+        let fail = |error: RecordError| {
+            complain_of(error);
+            Exit::Invalid
+        };
+        if let Some(page) = &self.output {
+            check_replaceable(page, OutputKind::Page).map_err(fail)?;
+        }
+        let listing = list_records(&self.results).map_err(fail)?;
+        listing.skipped.iter().for_each(|error| complain(&format!("warning: passed over: {error}")));
+        if listing.runs() == 0 {
+            complain_of(format!("no record of a run below {}", self.results.display()));
+            return Err(Exit::Invalid);
+        }
+        let unwritten = |error: RecordError| {
+            complain_of(&error);
+            Exit::of_writing(&error)
+        };
+        let read = listing.runs() + listing.references.len();
+        complain(&format!("{} read, {} passed over", plural(read, "record"), listing.skipped.len()));
+        let (selected, pictured) = self.pictured(&listing)?;
+        let rows = listing.rows(&selected);
+        let files = write_summary_of(&self.results, &rows).map_err(unwritten)?;
+        let SampledRuns { statistics, runs } = rows.into_sampled();
+        let (rows, reference_rows) = (summary_rows(&runs), summary_rows(&listing.references));
+        let (shown, references) = (found_runs(&rows, &runs), found_runs(&reference_rows, &listing.references));
+        let page = self.output.unwrap_or_else(|| self.results.join(names::REPORT));
+        write_report_of(&page, &self.results, (&shown, &statistics), &references, &pictured).map_err(unwritten)?;
+        let accuracy = pareto_table(&rows.iter().map(Work::of).collect::<Vec<_>>(), width());
+        let air = if accuracy.is_empty() { "" } else { "\n" };
+        let written: Vec<String> =
+            [&files.csv, &files.parquet, &page].iter().map(|path| format!("  {}\n", visible_path(path))).collect();
+        print(&format!("{accuracy}{air}written:\n{}", written.concat()))?;
+        Ok(Exit::Success)
+    }
+
+    /// Positions and keys of the runs that the arguments name; each argument must match a run.
+    fn pictured(&self, listing: &Listing) -> Result<(Vec<usize>, Pictured), Exit> {
+        if self.runs.is_empty() {
+            return Ok((Vec::new(), Pictured::Few));
+        }
+        let (mut places, mut keys) = (Vec::new(), Vec::new());
+        for typed in &self.runs {
+            let before = places.len();
+            for place in listing.with_key_prefix(typed) {
+                let (key, log) = listing.key_and_log(place);
+                if log.is_none() {
+                    let scenario = listing.scenario(place);
+                    complain(&format!("warning: {scenario} {key} left no log: there is nothing to show"));
+                }
+                keys.push(key.to_owned());
+                places.push(place);
+            }
+            if places.len() == before {
+                complain_of(format!("no run has a key that begins with `{typed}`; the summary has them all"));
+                return Err(Exit::Invalid);
+            }
+        }
+        Ok((places, Pictured::Keys(keys)))
+    }
+}
+
+fn summary_rows(runs: &[FoundRun]) -> Vec<SummaryRow> {
+    runs.iter().map(|run| run.record.summary_row()).collect()
+}

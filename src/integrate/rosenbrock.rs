@@ -1,0 +1,332 @@
+//! A Rosenbrock-W method for equations with a stiff part of low rank.
+//!
+//! ```text
+//! (1 - h g A) k_i = h f(t + a_i h, y + sum_j a_ij k_j) + h A sum_j<i g_ij k_j      y1 = y + sum_i b_i k_i
+//! A = sum_r u_r v_r^T      (1 - h g A)^-1 x = x + h g U (1 - h g V^T U)^-1 V^T x
+//! ```
+//!
+//! The method is ROS34PW2 of [Rang 2005]: four stages, order 3 with an embedded solution of order
+//! 2, L-stable. Being a W-method it has order 3 with any matrix A; A only has to contain what makes
+//! explicit steps unstable. The dense output has order 2, and 3 where A is the Jacobian. Its
+//! weights are those of PETSc's TSROSWRA34PW2; unlike a Hermite interpolant it does not use
+//! derivatives at the end of the step, in which stiffness amplifies errors.
+
+use super::System;
+use nalgebra::DMatrix;
+
+/// Greatest rank of the stiff part.
+pub const MAX_RANK: usize = 32;
+
+const STAGES: usize = 4;
+/// Diagonal coefficient g.
+const GAMMA: f64 = 0.435_866_521_508_459;
+const A: [[f64; 3]; STAGES] = [
+    [0.0, 0.0, 0.0],
+    [0.871_733_043_016_918, 0.0, 0.0],
+    [0.844_570_600_153_694_2, -0.112_990_642_364_841_85, 0.0],
+    [0.0, 0.0, 1.0],
+];
+const G: [[f64; 3]; STAGES] = [
+    [0.0, 0.0, 0.0],
+    [-0.871_733_043_016_918, 0.0, 0.0],
+    [-0.903_380_570_130_440_8, 0.054_180_672_388_095_33, 0.0],
+    [0.242_123_807_060_953_46, -1.223_250_583_904_514_7, 0.545_260_255_335_102_1],
+];
+const B: [f64; STAGES] =
+    [0.242_123_807_060_953_46, -1.223_250_583_904_514_7, 1.545_260_255_335_102, 0.435_866_521_508_459];
+/// Weights of the embedded solution of order 2.
+const EMBEDDED: [f64; STAGES] = [0.378_109_031_458_193_7, -0.096_042_292_212_423_18, 0.5, 0.217_933_260_754_229_5];
+/// Dense output: weights of the stages as polynomials in theta without constant term.
+const DENSE: [[f64; 3]; STAGES] = [
+    [1.056_429_845_579_409_4, -1.386_488_269_975_957_3, 0.572_182_231_457_501_6],
+    [2.296_429_974_281_067, -8.262_611_700_275_677, 4.742_931_142_090_097],
+    [-1.307_599_564_525_376, 7.250_979_895_056_055, -4.398_120_075_195_578],
+    [-1.045_260_255_335_102, 2.398_120_075_195_581, -0.916_993_298_352_019_9],
+];
+
+/// The stiff part of a Jacobian, a sum of products of a column and a row.
+#[derive(Clone, Debug)]
+pub struct StiffPart {
+    /// Columns u_r, each as long as the system.
+    pub columns: Vec<Vec<f64>>,
+    /// Rows v_r, each as long as the system.
+    pub rows: Vec<Vec<f64>>,
+    /// Number of products in use, at most [`MAX_RANK`].
+    pub rank: usize,
+}
+
+impl StiffPart {
+    /// An empty part of systems of `n` equations.
+    pub fn new(n: usize) -> Self {
+        StiffPart { columns: vec![vec![0.0; n]; MAX_RANK], rows: vec![vec![0.0; n]; MAX_RANK], rank: 0 }
+    }
+
+    /// Upper bound of the modulus of its eigenvalues, 1/s: the norm of V^T U.
+    pub fn rate(&self) -> f64 {
+        let square = |r: usize| (0..self.rank).map(|c| dot(&self.rows[r], &self.columns[c]).powi(2)).sum::<f64>();
+        (0..self.rank).map(square).sum::<f64>().sqrt()
+    }
+
+    /// Adds `factor * A x` to `out`.
+    fn add_product(&self, factor: f64, x: &[f64], out: &mut [f64]) {
+        for (column, row) in self.columns.iter().zip(&self.rows).take(self.rank) {
+            let weight = factor * dot(row, x);
+            out.iter_mut().zip(column).for_each(|(o, u)| *o += weight * u);
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The method with its scratch, allocated once.
+#[derive(Clone, Debug)]
+pub struct Rosenbrock {
+    /// The stiff part for the steps from the last start.
+    pub stiff: StiffPart,
+    k: [Vec<f64>; STAGES],
+    stage: Vec<f64>,
+    slope: Vec<f64>,
+    first: Vec<f64>,
+    start: Vec<f64>,
+    /// Solution at the end of the last attempt.
+    pub end: Vec<f64>,
+    /// Factorised `1 - h g V^T U`, its pivots, and a right side.
+    small: DMatrix<f64>,
+    pivots: [usize; MAX_RANK],
+    right: [f64; MAX_RANK],
+    h: f64,
+}
+
+impl Rosenbrock {
+    /// Allocates for systems of `n` equations.
+    pub fn new(n: usize) -> Self {
+        Rosenbrock {
+            stiff: StiffPart::new(n),
+            k: std::array::from_fn(|_| vec![0.0; n]),
+            stage: vec![0.0; n],
+            slope: vec![0.0; n],
+            first: vec![0.0; n],
+            start: vec![0.0; n],
+            end: vec![0.0; n],
+            small: DMatrix::zeros(MAX_RANK, MAX_RANK),
+            pivots: [0; MAX_RANK],
+            right: [0.0; MAX_RANK],
+            h: 0.0,
+        }
+    }
+
+    /// Sets the start of a step and the derivative there; needed before
+    /// [`attempt`](Self::attempt) whenever t or y changed. The stiff part is set by the caller.
+    pub fn begin(&mut self, y: &[f64], slope: &[f64]) {
+        self.start.copy_from_slice(y);
+        self.first.copy_from_slice(slope);
+    }
+
+    /// Tries a step of size `h` and evaluates the system at its end. The result is in `end`.
+    pub fn attempt(&mut self, system: &mut impl System, t: f64, h: f64) {
+        self.h = h;
+        self.factorize(h * GAMMA);
+        for s in 0..STAGES {
+            if s == 0 {
+                self.slope.copy_from_slice(&self.first);
+            } else {
+                let (k, start) = (&self.k, &self.start);
+                for (i, x) in self.stage.iter_mut().enumerate() {
+                    *x = start[i] + (0..s).map(|j| A[s][j] * k[j][i]).sum::<f64>();
+                }
+                let c: f64 = A[s].iter().sum();
+                system.derivative(t + c * h, &self.stage, &mut self.slope);
+            }
+            let (done, rest) = self.k.split_at_mut(s);
+            let target = &mut rest[0];
+            target.iter_mut().zip(&self.slope).for_each(|(x, f)| *x = h * f);
+            for (j, k) in done.iter().enumerate().filter(|(j, _)| G[s][*j] != 0.0) {
+                self.stiff.add_product(h * G[s][j], k, target);
+            }
+            self.solve(s);
+        }
+        for i in 0..self.end.len() {
+            self.end[i] = self.start[i] + (0..STAGES).map(|s| B[s] * self.k[s][i]).sum::<f64>();
+        }
+        system.derivative(t + h, &self.end, &mut self.slope);
+    }
+
+    /// Largest component of the error estimate of the last attempt over
+    /// `absolute + relative * max(|y|, |y1|)`, over the first `controlled` components; infinite
+    /// where it is not a number.
+    pub fn error(&self, relative: f64, absolute: f64, controlled: usize) -> f64 {
+        let mut worst: f64 = 0.0;
+        for i in 0..controlled {
+            let e: f64 = (0..STAGES).map(|s| (B[s] - EMBEDDED[s]) * self.k[s][i]).sum();
+            if !e.is_finite() {
+                return f64::INFINITY;
+            }
+            worst = worst.max(e.abs() / (absolute + relative * self.start[i].abs().max(self.end[i].abs())));
+        }
+        worst
+    }
+
+    /// Dense output at `t + theta h` of the last attempt.
+    pub fn interpolate(&self, theta: f64, out: &mut [f64]) {
+        let weights = DENSE.map(|[a, b, c]| theta * (a + theta * (b + theta * c)));
+        for (i, y) in out.iter_mut().enumerate() {
+            *y = self.start[i] + (0..STAGES).map(|s| weights[s] * self.k[s][i]).sum::<f64>();
+        }
+    }
+
+    /// Factorises `1 - hg V^T U` with row pivoting.
+    fn factorize(&mut self, hg: f64) {
+        let n = self.stiff.rank;
+        for r in 0..n {
+            for c in 0..n {
+                let unit = f64::from(r == c);
+                self.small[(r, c)] = unit - hg * dot(&self.stiff.rows[r], &self.stiff.columns[c]);
+            }
+        }
+        for c in 0..n {
+            let pivot = (c..n).max_by(|a, b| self.small[(*a, c)].abs().total_cmp(&self.small[(*b, c)].abs()));
+            self.pivots[c] = pivot.unwrap_or(c);
+            for j in 0..n {
+                self.small.swap((c, j), (self.pivots[c], j));
+            }
+            for r in c + 1..n {
+                let factor = self.small[(r, c)] / self.small[(c, c)];
+                self.small[(r, c)] = factor;
+                for j in c + 1..n {
+                    let term = factor * self.small[(c, j)];
+                    self.small[(r, j)] -= term;
+                }
+            }
+        }
+    }
+
+    /// Replaces k_s by `(1 - h g A)^-1 k_s`.
+    fn solve(&mut self, s: usize) {
+        let n = self.stiff.rank;
+        let x = &mut self.k[s];
+        for r in 0..n {
+            self.right[r] = dot(&self.stiff.rows[r], x);
+        }
+        for c in 0..n {
+            self.right.swap(c, self.pivots[c]);
+        }
+        for r in 0..n {
+            let sum: f64 = (0..r).map(|j| self.small[(r, j)] * self.right[j]).sum();
+            self.right[r] -= sum;
+        }
+        for r in (0..n).rev() {
+            let sum: f64 = (r + 1..n).map(|j| self.small[(r, j)] * self.right[j]).sum();
+            self.right[r] = (self.right[r] - sum) / self.small[(r, r)];
+        }
+        for (weight, column) in self.right.iter().zip(&self.stiff.columns).take(n) {
+            let weight = self.h * GAMMA * weight;
+            x.iter_mut().zip(column).for_each(|(x, u)| *x += weight * u);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// y0' = y1 + cos t, y1' = -y0 + c y1^2: not linear and not autonomous.
+    struct Smooth;
+    impl System for Smooth {
+        fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) {
+            dy[0] = y[1] + t.cos();
+            dy[1] = -y[0] + 0.3 * y[1] * y[1];
+        }
+    }
+
+    /// Prothero and Robinson: y' = l (y - sin t) + cos t, solution sin t.
+    struct Prothero(f64);
+    impl System for Prothero {
+        fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) {
+            dy[0] = self.0 * (y[0] - t.sin()) + t.cos();
+        }
+    }
+
+    fn begin(method: &mut Rosenbrock, system: &mut impl System, t: f64, y: &[f64]) {
+        let mut slope = y.to_vec();
+        system.derivative(t, y, &mut slope);
+        method.begin(y, &slope);
+    }
+
+    /// End after `n` steps over [0, 1], with any matrix of rank one as the stiff part, and the
+    /// dense output in the middle of the first step.
+    fn run(system: &mut impl System, y: &[f64], n: usize, u: &[f64], v: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let mut method = Rosenbrock::new(y.len());
+        method.stiff.columns[0].copy_from_slice(u);
+        method.stiff.rows[0].copy_from_slice(v);
+        method.stiff.rank = 1;
+        let mut y = y.to_vec();
+        let mut middle = y.clone();
+        let h = 1.0 / n as f64;
+        for i in 0..n {
+            begin(&mut method, system, i as f64 * h, &y);
+            method.attempt(system, i as f64 * h, h);
+            if i == 0 {
+                method.interpolate(0.5, &mut middle);
+            }
+            y.copy_from_slice(&method.end);
+        }
+        (y, middle)
+    }
+
+    #[test]
+    fn order_is_three_whatever_the_stiff_part() {
+        // A unrelated to the Jacobian, which a Rosenbrock method that is no W-method would not
+        // survive.
+        let (u, v) = ([0.7, -1.3], [0.4, 0.9]);
+        let truth = run(&mut Smooth, &[0.2, 0.5], 4096, &u, &v).0;
+        let error = |n: usize| {
+            let y = run(&mut Smooth, &[0.2, 0.5], n, &u, &v).0;
+            (y[0] - truth[0]).abs().max((y[1] - truth[1]).abs())
+        };
+        let order = (error(32) / error(64)).log2();
+        assert!((order - 3.0).abs() < 0.2, "{order}");
+    }
+
+    #[test]
+    fn dense_output_is_of_order_two() {
+        let (u, v) = ([0.7, -1.3], [0.4, 0.9]);
+        let error = |n: usize| {
+            let middle = run(&mut Smooth, &[0.2, 0.5], n, &u, &v).1;
+            let h = 0.5 / n as f64;
+            let mut fine = Rosenbrock::new(2);
+            let mut y = vec![0.2, 0.5];
+            for i in 0..64 {
+                let t = i as f64 * h / 64.0;
+                begin(&mut fine, &mut Smooth, t, &y);
+                fine.attempt(&mut Smooth, t, h / 64.0);
+                y.copy_from_slice(&fine.end);
+            }
+            (y[0] - middle[0]).abs().max((y[1] - middle[1]).abs())
+        };
+        // One step: the order plus one.
+        let order = (error(16) / error(32)).log2();
+        assert!(order > 2.8, "{order}");
+    }
+
+    #[test]
+    fn steps_far_beyond_the_stiff_time_scale_are_stable() {
+        let rate = -1e8;
+        let y = run(&mut Prothero(rate), &[0.0], 50, &[rate], &[1.0]).0;
+        // The stiff part dominates: error far below that of h^3 = 8e-6.
+        assert!((y[0] - 1f64.sin()).abs() < 1e-6, "{}", y[0] - 1f64.sin());
+    }
+
+    #[test]
+    fn error_estimate_shrinks_with_the_third_power_of_the_step() {
+        let estimate = |h: f64| {
+            let mut method = Rosenbrock::new(2);
+            begin(&mut method, &mut Smooth, 0.0, &[0.2, 0.5]);
+            method.attempt(&mut Smooth, 0.0, h);
+            method.error(0.0, 1.0, 2)
+        };
+        let order = (estimate(0.02) / estimate(0.01)).log2();
+        assert!((order - 3.0).abs() < 0.2, "{order}");
+    }
+}

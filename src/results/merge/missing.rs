@@ -1,0 +1,72 @@
+//! Checks that the shards have every run of the plan.
+
+use crate::results::SHARD_LIST;
+use crate::results::merge::merge_error::{MAX_NAMED, MergeError};
+use crate::results::merge::missing_logs::missing_logs;
+use crate::results::merge::plan_walk::Holder;
+use crate::results::merge::references::References;
+use crate::results::merge::shard_check::ShardCheck;
+use crate::results::merge::shards::Shards;
+use std::collections::BTreeSet;
+
+/// Missing parts of the results.
+#[derive(Debug)]
+pub struct Missing {
+    /// One line of text each; empty when nothing is missing.
+    pub lines: Vec<String>,
+    /// Shard and plan index of unusable results.
+    pub(super) broken: BTreeSet<(usize, usize)>,
+    pub(super) references: References,
+}
+
+impl Shards {
+    /// Checks that every run is present, whole, and equal in all shards that have it; returns what
+    /// is missing.
+    ///
+    /// # Errors
+    /// A run differs between shards; lists contradict each other or cannot be read.
+    pub fn check(&self) -> Result<Missing, MergeError> {
+        let (mut check, mut references) = (ShardCheck::new(self.folders.len()), References::default());
+        let (mut next, mut gaps) = (0, 0);
+        self.for_each_run(&mut |holders: &[Holder]| {
+            let run = &holders[0].run;
+            gaps += run.at - next;
+            next = run.at + 1;
+            if let Some(other) = holders.iter().find(|h| h.run != *run) {
+                return Err(self.contradiction(holders[0].shard, other.shard));
+            }
+            if let Some((holder, record)) = check.check(holders) {
+                references.add(self, holder, &record);
+            }
+            Ok(())
+        })?;
+        gaps += self.runs().saturating_sub(next);
+        let mut lines = self.missing_shards();
+        if gaps > 0 && lines.is_empty() {
+            return Err(MergeError::Runs(vec![format!(
+                "{gaps} runs of the plan are in no shard: a {SHARD_LIST} lacks lines"
+            )]));
+        }
+        let missing_logs = missing_logs(self, &check)?;
+        let ShardCheck { absent, broken, .. } = check.require_equal()?;
+        for (shard, missing) in absent.into_iter().enumerate() {
+            lines.extend(missing.line(&self.name(shard)));
+        }
+        let references = references.require_equal()?;
+        lines.extend(references.missing(self));
+        lines.extend(missing_logs);
+        Ok(Missing { lines, broken, references })
+    }
+
+    fn missing_shards(&self) -> Vec<String> {
+        let Some(of) = self.heads.first().map(|head| head.of) else { return Vec::new() };
+        let exists = |number: &u64| self.heads.iter().any(|head| head.shard == *number);
+        let numbers: Vec<u64> = (1..=of).filter(|number| !exists(number)).collect();
+        if numbers.is_empty() {
+            return Vec::new();
+        }
+        let first: Vec<String> = numbers.iter().take(MAX_NAMED).map(u64::to_string).collect();
+        let dots = if numbers.len() > MAX_NAMED { ", ..." } else { "" };
+        vec![format!("{} of {of} shards are missing: {}{dots}", numbers.len(), first.join(", "))]
+    }
+}

@@ -1,0 +1,104 @@
+//! Stiffness of friction at slow sliding vertices, as the stiff part of a Rosenbrock step.
+//!
+//! Friction `-mu_k N u` of a vertex turns with its direction u, which depends on its tangential
+//! velocity t. With theta the angle of u, the acceleration q'' of the robot depends on velocities
+//! q' through
+//!
+//! ```text
+//! A = sum_i (dq''/dtheta_i) (dtheta_i/dt_i . J_i)          |dtheta/dt| = 1 / |t|  for |t| >= v_d
+//! ```
+//!
+//! with J_i the tangential Jacobian of vertex i. The eigenvalues are some `-mu_k N / (m |t|)`, m
+//! the mass that the vertex feels: 1e7 1/s at 1e-6 m/s. Both derivatives are difference quotients,
+//! the first of contact solves at one configuration.
+
+use super::Plant;
+use super::sliding_directions::direction;
+use crate::contact::model::state::Mode;
+use crate::dynamics::jacobian;
+use crate::integrate::StiffPart;
+use crate::integrate::rosenbrock::MAX_RANK;
+use nalgebra::{Vector2, Vector3};
+
+/// Turn of a direction in a difference quotient, rad. Truncation 1e-6 of the derivative; W-methods
+/// need no exact derivative.
+const TURN: f64 = 1e-6;
+/// Change of a velocity in a difference quotient, relative to the velocity.
+const SPAN: f64 = 1e-5;
+
+impl Plant {
+    /// Estimate from above of the rate at which friction turns sliding vertices, 1/s, from the last
+    /// evaluation: their own normal forces and the responses of their soles alone.
+    pub fn friction_rate_bound(&self) -> f64 {
+        let n = self.problem.dim();
+        let mut bound: f64 = 0.0;
+        for (s, i) in self.sliding_vertices() {
+            let v = &self.problem.soles[s].vertices[i];
+            let block = |r: usize, c: usize| self.problem.w[(6 * s + r) * n + 6 * s + c];
+            // Trace of the response at the vertex to tangential forces there.
+            let (x, y) = (v.r.x, v.r.y);
+            let linear = block(0, 0) + block(1, 1);
+            let response = linear - 2.0 * y * block(0, 5) + 2.0 * x * block(1, 5) + (x * x + y * y) * block(5, 5);
+            // Below v_d the direction turns by at most a few 1 / v_d.
+            let speed = v.velocity.xy().norm().max(0.5 * self.direction_speed(s));
+            bound += v.mu_k * self.solution.normal[s][i].abs() * response / speed;
+        }
+        bound
+    }
+
+    /// Sliding vertices but pivots, as sole and vertex.
+    fn sliding_vertices(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.problem.soles.iter().enumerate().flat_map(move |(s, sole)| {
+            let (state, k) = (self.states[s], sole.vertices.len());
+            let slides =
+                move |i: &usize| state.is_dynamic() && state.clamps(*i, k) && state.mode != Mode::Pivoting(*i as u8);
+            (0..k).filter(slides).map(move |i| (s, i))
+        })
+    }
+
+    /// Writes the stiff part at the last evaluation: a product for each sliding vertex, the first
+    /// if there are more than [`MAX_RANK`]. Leaves the evaluation as it was.
+    pub fn friction_stiffness(&mut self, out: &mut StiffPart) {
+        let mut vertices = [(0, 0); MAX_RANK];
+        out.rank = 0;
+        for (slot, vertex) in vertices.iter_mut().zip(self.sliding_vertices()) {
+            *slot = vertex;
+            out.rank += 1;
+        }
+        let velocities = self.layout.velocities();
+        for (r, &(s, i)) in vertices[..out.rank].iter().enumerate() {
+            let v = self.problem.soles[s].vertices[i];
+            let (t, u) = (v.velocity.xy(), v.direction);
+            let (slow, reference) = (self.direction_speed(s), self.directions[s][i]);
+            let step = SPAN * t.norm().max(1e-3 * slow);
+            let turn = |d: Vector2<f64>| u.perp(&direction(&(t + d), &reference, slow));
+            let slope = |d: Vector2<f64>| (turn(d * step) - turn(-d * step)) / (2.0 * step);
+            let gradient = Vector3::new(slope(Vector2::x()), slope(Vector2::y()), 0.0);
+            let gradient = self.floor.rotation * gradient;
+            let point = self.reduced.reference[s] + self.floor.rotation * v.r;
+            let row = &mut out.rows[r];
+            row.fill(0.0);
+            for &k in self.ws.support(self.model.soles[s].link) {
+                row[velocities.start + k] = gradient.dot(&jacobian::column(&self.ws, k, &point).linear);
+            }
+            let across = Vector2::new(-u.y, u.x);
+            self.respond_with(s, i, u + across * TURN);
+            let column = &mut out.columns[r];
+            column.fill(0.0);
+            column[velocities.clone()].copy_from_slice(&self.acceleration);
+            self.respond_with(s, i, u);
+            for (c, a) in column[velocities.clone()].iter_mut().zip(&self.acceleration) {
+                *c = (*c - a) / TURN;
+            }
+            self.kinematic_paths.joints().iter().for_each(|j| self.layout.hold(*j, column));
+        }
+    }
+
+    /// Contact wrenches and accelerations with another direction of one vertex.
+    fn respond_with(&mut self, s: usize, i: usize, direction: Vector2<f64>) {
+        self.problem.soles[s].vertices[i].direction = direction;
+        self.acceleration.copy_from_slice(&self.reduced.free);
+        self.method.respond(&self.problem, &self.states, &mut self.solution);
+        self.close();
+    }
+}

@@ -1,0 +1,110 @@
+//! An explicit Runge-Kutta method and a Rosenbrock method for steps in which friction is stiff.
+//!
+//! Friction of a slow vertex turns with its direction at rates that grow without bound as its speed
+//! goes to zero ([`crate::sim::plant::friction_stiffness`]). Explicit steps are then limited by
+//! stability, not by accuracy. Where that limit is below the step that the Rosenbrock method takes,
+//! the latter takes it.
+
+use super::step_size::StepSize;
+use crate::integrate::{Rosenbrock, RungeKutta, StepControl, Tableau};
+use crate::sim::plant::Plant;
+
+/// Product of step and eigenvalue up to which explicit steps are stable (`dopri5`: 3.3).
+const STABLE: f64 = 3.0;
+/// Rate of friction up to which explicit steps are not limited noticeably, 1/s.
+const MODERATE: f64 = 1e5;
+/// First step of the Rosenbrock method after a restart, s.
+const FIRST: f64 = 1e-4;
+
+/// Both methods with their scratch; one takes the step that begins.
+pub struct MethodPair {
+    explicit: RungeKutta,
+    stiff: Rosenbrock,
+    is_stiff: bool,
+    /// Sizes of Rosenbrock steps; none without error control.
+    stiff_size: Option<StepSize>,
+}
+
+impl MethodPair {
+    /// For vectors of length `n` and steps of the explicit method sized by `size`.
+    pub fn new(method: &'static Tableau, n: usize, size: &StepSize) -> Self {
+        let stiff_size = match *size {
+            StepSize::Fixed(_) => None,
+            StepSize::Controlled { relative, absolute, max_step, .. } => {
+                let (control, h) = (StepControl::new(3), FIRST.min(max_step));
+                Some(StepSize::Controlled { control, relative, absolute, max_step, h })
+            }
+        };
+        MethodPair { explicit: RungeKutta::new(method, n), stiff: Rosenbrock::new(n), is_stiff: false, stiff_size }
+    }
+
+    /// Resets the size of stiff steps after a jump of the equations.
+    pub fn restart(&mut self) {
+        if let Some(StepSize::Controlled { max_step, h, .. }) = &mut self.stiff_size {
+            *h = FIRST.min(*max_step);
+        }
+    }
+
+    /// Evaluates the start of a step.
+    pub fn begin(&mut self, plant: &mut Plant, t: f64, y: &[f64]) {
+        self.explicit.begin(plant, t, y);
+        self.is_stiff = false;
+    }
+
+    /// Selects the method of the step that begins, whose explicit size would be `h`. Returns the
+    /// size of its first attempt.
+    pub fn select(&mut self, plant: &mut Plant, y: &[f64], h: f64, remaining: f64) -> f64 {
+        let Some(size) = &self.stiff_size else { return h };
+        let stiff = size.next(remaining);
+        let limit = |rate: f64| STABLE / rate;
+        let bound = plant.friction_rate_bound();
+        // Size of a Rosenbrock step: the one stored, or, after a transient in which explicit steps
+        // were the longer ones, twice their limit once they have reached it.
+        let size_beyond = |limit: f64| {
+            if limit <= stiff { Some(stiff) } else { (h > 0.5 * limit).then_some((2.0 * limit).min(remaining)) }
+        };
+        if bound < MODERATE || size_beyond(limit(bound)).is_none() {
+            return h;
+        }
+        plant.friction_stiffness(&mut self.stiff.stiff);
+        let Some(first) = size_beyond(limit(self.stiff.stiff.rate())) else { return h };
+        self.stiff.begin(y, self.explicit.slope());
+        self.is_stiff = true;
+        first
+    }
+
+    /// Whether the Rosenbrock method takes this step.
+    pub fn is_stiff(&self) -> bool {
+        self.is_stiff
+    }
+
+    /// Tries a step of size `h`; the system is left at its end.
+    pub fn attempt(&mut self, plant: &mut Plant, t: f64, h: f64) {
+        match self.is_stiff {
+            true => self.stiff.attempt(plant, t, h),
+            false => self.explicit.attempt(plant, t, h),
+        }
+    }
+
+    /// None if the error of the attempted step is acceptable; else the factor to shorten it by.
+    pub fn shorten(&mut self, size: &mut StepSize, controlled: usize, h: f64, remaining: f64) -> Option<f64> {
+        let (explicit, stiff) = (&self.explicit, &self.stiff);
+        match &mut self.stiff_size {
+            Some(size) if self.is_stiff => size.shorten(|rel, abs| stiff.error(rel, abs, controlled), h, remaining),
+            _ => size.shorten(|rel, abs| explicit.error(rel, abs, controlled), h, remaining),
+        }
+    }
+
+    /// Solution at the end of the last attempt.
+    pub fn end(&self) -> &[f64] {
+        if self.is_stiff { &self.stiff.end } else { &self.explicit.end }
+    }
+
+    /// Dense output at the fraction `theta` of the last attempt.
+    pub fn interpolate(&self, theta: f64, out: &mut [f64]) {
+        match self.is_stiff {
+            true => self.stiff.interpolate(theta, out),
+            false => self.explicit.interpolate(theta, out),
+        }
+    }
+}
