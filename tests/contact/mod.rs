@@ -5,6 +5,7 @@ mod impact;
 mod law;
 mod pair;
 mod pairs;
+mod point_forces;
 mod residual;
 mod rest;
 mod rigid;

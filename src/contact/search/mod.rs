@@ -2,6 +2,7 @@
 //!
 //! [`candidate`] solves the problem for one state of all soles. [`sliding_directions`] finds the
 //! directions of friction where no velocity gives them, [`regularized_modes`] which vertices stick
+//! and which slip. [`point_forces`] is an independent solution with every vertex as a point.
 //! [`judge`] measures violations and margins, [`select`] runs the best-first search.
 //!
 //! Imports `contact::model` and `linalg`. Called by the methods `exact` and `one-step`. `sim` and
@@ -9,6 +10,7 @@
 
 pub mod candidate;
 pub mod judge;
+pub mod point_forces;
 pub mod regularized_modes;
 pub mod select;
 pub mod sliding_directions;
