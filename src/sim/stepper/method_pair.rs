@@ -15,6 +15,8 @@ const STABLE: f64 = 3.0;
 const MODERATE: f64 = 1e5;
 /// First step of the Rosenbrock method after a restart, s.
 const FIRST: f64 = 1e-4;
+/// Most explicit steps between two attempts to resume the Rosenbrock method.
+const MOST_WAITING: u32 = 64;
 
 /// Both methods with their scratch; one takes the step that begins.
 pub struct MethodPair {
@@ -23,6 +25,12 @@ pub struct MethodPair {
     is_stiff: bool,
     /// Sizes of Rosenbrock steps; none without error control.
     stiff_size: Option<StepSize>,
+    /// Whether this Rosenbrock step is an attempt to resume the method after explicit steps.
+    resumes: bool,
+    /// Explicit steps since the last such attempt, and those to take before the next. The latter
+    /// doubles with each failure.
+    waited: u32,
+    wait: u32,
 }
 
 impl MethodPair {
@@ -35,7 +43,15 @@ impl MethodPair {
                 Some(StepSize::Controlled { control, relative, absolute, max_step, h })
             }
         };
-        MethodPair { explicit: RungeKutta::new(method, n), stiff: Rosenbrock::new(n), is_stiff: false, stiff_size }
+        MethodPair {
+            explicit: RungeKutta::new(method, n),
+            stiff: Rosenbrock::new(n),
+            is_stiff: false,
+            stiff_size,
+            resumes: false,
+            waited: 0,
+            wait: 1,
+        }
     }
 
     /// Resets the size of stiff steps after a jump of the equations.
@@ -60,16 +76,19 @@ impl MethodPair {
         let bound = plant.friction_rate_bound();
         // Size of a Rosenbrock step: the one stored, or, after a transient in which explicit steps
         // were the longer ones, twice their limit once they have reached it.
+        let can_resume = self.waited >= self.wait;
         let size_beyond = |limit: f64| {
-            if limit <= stiff { Some(stiff) } else { (h > 0.5 * limit).then_some((2.0 * limit).min(remaining)) }
+            let resumed = (can_resume && h > 0.5 * limit).then_some((2.0 * limit).min(remaining));
+            if limit <= stiff { Some((stiff, false)) } else { resumed.map(|h| (h, true)) }
         };
+        self.waited = self.waited.saturating_add(1);
         if bound < MODERATE || size_beyond(limit(bound)).is_none() {
             return h;
         }
         plant.friction_stiffness(&mut self.stiff.stiff);
-        let Some(first) = size_beyond(limit(self.stiff.stiff.rate())) else { return h };
+        let Some((first, resumes)) = size_beyond(limit(self.stiff.stiff.rate())) else { return h };
         self.stiff.begin(y, self.explicit.slope());
-        self.is_stiff = true;
+        (self.is_stiff, self.resumes) = (true, resumes);
         first
     }
 
@@ -90,7 +109,14 @@ impl MethodPair {
     pub fn shorten(&mut self, size: &mut StepSize, controlled: usize, h: f64, remaining: f64) -> Option<f64> {
         let (explicit, stiff) = (&self.explicit, &self.stiff);
         match &mut self.stiff_size {
-            Some(size) if self.is_stiff => size.shorten(|rel, abs| stiff.error(rel, abs, controlled), h, remaining),
+            Some(size) if self.is_stiff => {
+                let factor = size.shorten(|rel, abs| stiff.error(rel, abs, controlled), h, remaining);
+                if std::mem::take(&mut self.resumes) {
+                    self.waited = 0;
+                    self.wait = if factor.is_some() { (2 * self.wait).min(MOST_WAITING) } else { 1 };
+                }
+                factor
+            }
             _ => size.shorten(|rel, abs| explicit.error(rel, abs, controlled), h, remaining),
         }
     }
