@@ -10,7 +10,7 @@ use stiction::contact::model::problem::Tolerances;
 use stiction::contact::model::solution::Solution;
 use stiction::contact::model::state::{MAX_SOLES, Pattern, SoleState, States};
 use stiction::contact::search::judge::Rules;
-use stiction::contact::search::select::Selector;
+use stiction::contact::search::select::{SearchOrder, Selector};
 use stiction::robot;
 use stiction::scenario;
 use stiction::sim::plant::Plant;
@@ -80,7 +80,7 @@ fn step(bencher: Bencher, (method, integrator): (&str, &str)) {
 fn selection_from_a_changed_state(bencher: Bencher) {
     let sim = swaying("exact", ADAPTIVE);
     let mut p = sim.plant().problem.clone();
-    let (mut selector, mut out) = (Selector::new(&p), Solution::new(&p));
+    let (mut selector, mut out) = (Selector::new(SearchOrder::Direct, &p), Solution::new(&p));
     let mut start = States::default();
     start[0] = SoleState::fixed(Pattern::Face);
     let rules = Rules { tolerances: Tolerances::default(), previous: start, suspect: [0; MAX_SOLES], hops: false };

@@ -130,6 +130,9 @@ metrics! {
         "Steps without an event, which confirm the states: one candidate each.";
     =states_tested_mean("states_tested_mean"): OptionalReal, "", Simulation, "Candidate states tested per selection.";
     states_tested_max("states_tested_max"): Count, "", Simulation, "Most candidates tested in one selection.";
+    full_searches("full_searches"): Count, "", Simulation,
+        "Selections of `exact` that found no valid state near the previous ones or near the solved contact problem, and \
+        searched all states.";
     impacts("impacts"): Count, "", Simulation, "Velocity jumps.";
     jams("jams"): Count, "", Simulation,
         "Painleve configurations: sliding that no finite force continues, or whose force grows without bound. An \

@@ -5,10 +5,10 @@ use super::rigid::{Rigid, body_on, rules, triple};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use proptest::prelude::*;
 use stiction::contact::methods::contact_method::{ContactSolver, SelectionInput};
-use stiction::contact::methods::exact::Exact;
+use stiction::contact::methods::exact::{Exact, ExactParameters};
 use stiction::contact::model::problem::{Level, Problem};
 use stiction::contact::model::solution::Solution;
-use stiction::contact::search::select::Selection;
+use stiction::contact::search::select::{SearchOrder, Selection};
 
 /// Velocities before the impact: of the centre of mass up to 2 m/s, downwards 0.2 to 2.2 m/s,
 /// turning up to 6 rad/s.
@@ -24,7 +24,12 @@ pub fn falling(body: &Rigid, velocity: &Vector3<f64>, spin: &Vector3<f64>) -> Pr
 }
 
 pub fn strike(p: &mut Problem) -> (Selection, Solution) {
-    let (mut exact, mut out) = (Exact::new(p), Solution::new(p));
+    strike_with(SearchOrder::Direct, p)
+}
+
+/// The same with an order of search.
+pub fn strike_with(search: SearchOrder, p: &mut Problem) -> (Selection, Solution) {
+    let (mut exact, mut out) = (Exact::new(ExactParameters { search }, p), Solution::new(p));
     let rules = rules();
     let input = SelectionInput { rules: &rules, event: true, allowed: &|_, _| true };
     let selection = exact.impulse(p, &input, &mut out);

@@ -1,13 +1,16 @@
 //! Two soles at once: on two bodies with various joints, or on one body.
 
-use super::impact::strike;
+use super::impact::{strike, strike_with};
 use super::law;
 use super::pair::{JOINTS, Joint, Pair, pair};
-use super::rest::{pressed, select};
-use super::rigid::{G, triple};
+use super::rest::{pressed, select, select_with};
+use super::rigid::{G, rules, triple};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use stiction::contact::model::problem::{Level, Problem};
+use stiction::contact::model::solution::Solution;
+use stiction::contact::model::state::{SoleState, States};
+use stiction::contact::search::select::{SearchOrder, Selector};
 
 fn loaded(pair: &Pair, force: &[Vector3<f64>; 2], moment: &[Vector3<f64>; 2]) -> Problem {
     let loads = [0, 1].map(|i| pressed(&pair.bodies[i], &force[i], &moment[i]));
@@ -28,6 +31,10 @@ fn size(p: &Problem, least: f64) -> f64 {
 /// Greatest difference of the motions of a pair and of the pair in opposite order.
 fn apart(a: &[f64], b: &[f64]) -> f64 {
     (0..12).map(|i| (a[i] - b[(i + 6) % 12]).abs()).fold(0.0, f64::max)
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
 fn back<T: Copy>([a, b]: [T; 2]) -> [T; 2] {
@@ -103,5 +110,67 @@ proptest! {
         let back: f64 = (0..2).flat_map(|s| (0..p.soles[s].vertices.len()).map(move |i| (s, i))).map(|(s, i)| work(s, i)).sum();
         let gain = pair.energy(&out.motion) - pair.energy(&before);
         prop_assert!(gain <= back.max(0.0) + 1e-9 * pair.energy(&before), "{gain} {back}");
+    }
+}
+
+/// The motion of every valid state, if they are all the same.
+fn unique_motion(p: &Problem, drive: f64) -> Option<Vec<f64>> {
+    let (mut p, mut out) = (p.clone(), Solution::new(p));
+    let mut selector = Selector::new(SearchOrder::Paper, &p);
+    let [first, second] = [0, 1].map(|s| p.soles[s].vertices.len());
+    let mut found: Option<Vec<f64>> = None;
+    for (a, b) in SoleState::refined(first).flat_map(|a| SoleState::refined(second).map(move |b| (a, b))) {
+        let mut states = States::default();
+        (states[0], states[1]) = (a, b);
+        if !selector.test(&mut p, &states, &rules(), &mut out).valid() {
+            continue;
+        }
+        if found.as_ref().is_some_and(|motion| distance(motion, &out.motion) > 1e-7 * drive) {
+            return None;
+        }
+        found.get_or_insert_with(|| out.motion.clone());
+    }
+    found
+}
+
+fn equal_friction(mut p: Problem) -> Problem {
+    p.soles.iter_mut().flat_map(|sole| &mut sole.vertices).for_each(|v| v.mu_k = v.mu_s);
+    p
+}
+
+proptest! {
+    #![proptest_config(config(30))]
+
+    #[test]
+    fn both_searches_find_the_motion_where_it_is_unique(
+        pair in pair(LOOSE), force in [triple(), triple()], moment in [triple(), triple()]
+    ) {
+        let p = equal_friction(loaded(&pair, &force, &moment));
+        let drive = size(&p, G);
+        let motion = unique_motion(&p, drive);
+        prop_assume!(motion.is_some());
+        for order in [SearchOrder::Direct, SearchOrder::Paper] {
+            let (selection, out) = select_with(order, &mut p.clone());
+            prop_assert!(selection.consistent, "{order:?}");
+            // Sliding directions are found to 1e-10 of the motion without friction.
+            let error = distance(&out.motion, motion.as_ref().unwrap());
+            prop_assert!(error < 1e-7 * drive, "{order:?} {error:e}");
+        }
+    }
+
+    #[test]
+    fn both_searches_find_the_impact_where_it_is_unique(
+        pair in pair(LOOSE), velocity in [triple(), triple()], spin in [triple(), triple()]
+    ) {
+        let p = equal_friction(falling(&pair, &velocity, &spin));
+        let drive = size(&p, 1.0);
+        let motion = unique_motion(&p, drive);
+        prop_assume!(motion.is_some());
+        for order in [SearchOrder::Direct, SearchOrder::Paper] {
+            let (selection, out) = strike_with(order, &mut p.clone());
+            prop_assert!(selection.consistent, "{order:?}");
+            let error = distance(&out.motion, motion.as_ref().unwrap());
+            prop_assert!(error < 1e-7 * drive, "{order:?} {error:e}");
+        }
     }
 }

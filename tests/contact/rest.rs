@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use stiction::contact::model::problem::{Level, Problem};
 use stiction::contact::model::solution::Solution;
 use stiction::contact::model::state::{SoleState, States};
-use stiction::contact::search::select::{Selection, Selector};
+use stiction::contact::search::select::{SearchOrder, Selection, Selector};
 
 /// Force and moment at the centre of mass in units of the weight: forces up to `1.2 m g`, moments
 /// up to `0.05 m m g`.
@@ -23,7 +23,12 @@ fn load(body: &Rigid, force: &Vector3<f64>, moment: &Vector3<f64>) -> Problem {
 
 /// Selects, starting from the static face.
 pub fn select(p: &mut Problem) -> (Selection, Solution) {
-    let (mut selector, mut out) = (Selector::new(p), Solution::new(p));
+    select_with(SearchOrder::Direct, p)
+}
+
+/// The same with an order of search.
+pub fn select_with(order: SearchOrder, p: &mut Problem) -> (Selection, Solution) {
+    let (mut selector, mut out) = (Selector::new(order, p), Solution::new(p));
     let mut start = States::default();
     (0..p.soles.len()).for_each(|s| start[s] = stuck(p.soles[s].vertices.len()));
     let selection = selector.select(p, &start, false, &rules(), &|_, _| true, &mut out);
@@ -34,7 +39,7 @@ pub fn select(p: &mut Problem) -> (Selection, Solution) {
 fn no_better(body: &Rigid, force: &Vector3<f64>, moment: &Vector3<f64>) -> Result<(), TestCaseError> {
     let mut p = load(body, force, moment);
     let (selection, _) = select(&mut p);
-    let (mut selector, mut out) = (Selector::new(&p), Solution::new(&p));
+    let (mut selector, mut out) = (Selector::new(SearchOrder::Direct, &p), Solution::new(&p));
     // With less kinetic than static friction, both a held and a sliding state may be valid. Then
     // only static states are compared.
     let unique = body.mu[0] == body.mu[1];

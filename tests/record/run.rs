@@ -22,6 +22,7 @@ pub fn metrics() -> Metrics {
         states_tested: 10,
         confirmed: 0,
         states_tested_max: 7,
+        full_searches: 1,
         impacts: 8,
         jams: 9,
         inconsistent: 11,

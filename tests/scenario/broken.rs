@@ -52,6 +52,7 @@ const BELOW_ROBOT: &[Broken] = &[
     Broken("[contact]\nrestitution = 1.5", (4, 15), "must be between 0 and 1", ""),
     Broken("[contact.penalty]\nstiffness = 0", (4, 13), "`contact.penalty.stiffness` must be greater than 0", ""),
     Broken("[contact.penalty]\nstifness = 1", (4, 1), "unknown key `stifness` in `contact.penalty`", "`stiffness`"),
+    Broken("[contact.exact]\nsearch = \"fast\"", (4, 10), "`contact.exact.search` cannot be \"fast\"", "`paper`"),
     Broken("[contact.lcp]\nfacets = 5", (4, 10), "`contact.lcp.facets` must be an even number from 4 to 64, not 5", ""),
     Broken("[contact.lcp]\nfacets = 2", (4, 10), "an even number from 4 to 64, not 2", ""),
     Broken("[contact.lcp]\nfacets = 66", (4, 10), "an even number from 4 to 64, not 66", ""),

@@ -48,6 +48,8 @@ pub(crate) fn set_impact(p: &mut Problem, velocity: &[f64], tol: &Tolerances, re
                 approach = approach.max(-v.velocity.z);
             }
         }
+        let near = sole.clampable(tol);
+        sole.vertices.iter_mut().enumerate().for_each(|(i, v)| v.near = near >> i & 1 == 1);
         fastest = fastest.max(approach);
         set_target(sole, &velocity[6 * s..6 * s + 6], approach, tol, restitution);
     }

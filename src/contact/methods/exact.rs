@@ -6,7 +6,10 @@ use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
-use crate::contact::search::select::{Selection, Selector, first_mode};
+use crate::contact::search::moves::first_mode;
+use crate::contact::search::select::{SearchOrder, Selection, Selector};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// Descriptor for scenarios and reports.
 pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
@@ -16,10 +19,18 @@ pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     restitution: true,
     unforced: None,
     colour: "#0B62A4",
-    is_configured: |_| false,
+    is_configured: |parameters| parameters.exact != ExactParameters::default(),
     unknowns: None,
-    solver: |_, p| Box::new(Exact::new(p)),
+    solver: |parameters, p| Box::new(Exact::new(parameters.exact, p)),
 };
+
+/// Parameters of method `exact`.
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ExactParameters {
+    /// How it finds the contact states.
+    pub search: SearchOrder,
+}
 
 /// Solver of the method.
 pub struct Exact {
@@ -28,8 +39,8 @@ pub struct Exact {
 
 impl Exact {
     /// For problems of this size.
-    pub fn new(p: &Problem) -> Self {
-        Exact { selector: Selector::new(p) }
+    pub fn new(parameters: ExactParameters, p: &Problem) -> Self {
+        Exact { selector: Selector::new(parameters.search, p) }
     }
 
     /// The previous patterns, with the modes that the velocities allow.
@@ -47,14 +58,6 @@ impl Exact {
     }
 }
 
-/// The smallest pattern that clamps every vertex for which `clamp` holds.
-pub fn covering(k: usize, clamp: impl Fn(usize) -> bool) -> Pattern {
-    SoleState::patterns(k)
-        .find(|&p| (0..k).all(|i| !clamp(i) || SoleState::fixed(p).clamps(i, k)))
-        .filter(|_| (0..k).any(&clamp))
-        .unwrap_or(Pattern::Free)
-}
-
 impl ContactSolver for Exact {
     fn scheme(&self) -> Scheme {
         Scheme::EventDriven
@@ -64,7 +67,8 @@ impl ContactSolver for Exact {
         let tol = &input.rules.tolerances;
         for v in p.soles.iter_mut().flat_map(|s| &mut s.vertices) {
             // A vertex about to be clamped out of a slow motion has its velocity settled first.
-            v.moving &= v.velocity.z.abs() <= tol.rest || v.velocity.xy().norm() > tol.velocity;
+            v.settles = v.moving && v.velocity.z.abs() > tol.rest && v.velocity.xy().norm() <= tol.velocity;
+            v.moving &= !v.settles;
             if v.moving {
                 v.direction = v.velocity.xy().normalize();
             }
@@ -75,7 +79,11 @@ impl ContactSolver for Exact {
             let clamped = |i: &usize| state.clamps(*i, k);
             let fastest = (0..k).filter(clamped).map(|i| sole.vertices[i].velocity.xy().norm()).fold(0.0, f64::max);
             if state.is_dynamic() && fastest <= 10.0 * tol.rest {
-                (0..k).filter(clamped).for_each(|i| sole.vertices[i].moving = false);
+                for i in (0..k).filter(clamped) {
+                    let v = &mut sole.vertices[i];
+                    v.settles |= v.moving;
+                    v.moving = false;
+                }
             }
         }
         let start = Self::carry_over(p, &input.rules.previous);
@@ -93,7 +101,7 @@ impl ContactSolver for Exact {
             };
             let k = sole.vertices.len();
             let previous = input.rules.previous[s];
-            let pattern = covering(k, |i| approaches(i) || (previous.clamps(i, k) && sole.vertices[i].near));
+            let pattern = Pattern::covering(k, |i| approaches(i) || (previous.clamps(i, k) && sole.vertices[i].near));
             start[s] = SoleState::fixed(pattern);
         }
         let start = replace_forbidden(p, start, input);

@@ -147,7 +147,13 @@ impl Lcp {
         }
         let states = self.points.states(p, out, |c| self.points.velocity(c, &out.motion).xy().norm() > tol.rest);
         let levels = if consistent { [0.0; 3] } else { [0.0, self.violation(out, load, fastest) / tol.velocity, 0.0] };
-        Selection { states, tested: 1, consistent, assessment: Assessment { levels, ..Assessment::default() } }
+        Selection {
+            states,
+            tested: 1,
+            full: false,
+            consistent,
+            assessment: Assessment { levels, ..Assessment::default() },
+        }
     }
 
     /// Fills M and q; returns the unit of impulses, so that N is a velocity times it.

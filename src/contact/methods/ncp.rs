@@ -106,7 +106,13 @@ impl Ncp {
         // The method claims no validity, so it is never inconsistent: its errors show in the
         // residuals.
         let levels = if error > self.parameters.tolerance { [0.0, error / tol.velocity, 0.0] } else { [0.0; 3] };
-        Selection { states, tested: 1, consistent: true, assessment: Assessment { levels, ..Assessment::default() } }
+        Selection {
+            states,
+            tested: 1,
+            full: false,
+            consistent: true,
+            assessment: Assessment { levels, ..Assessment::default() },
+        }
     }
 }
 

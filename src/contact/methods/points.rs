@@ -11,10 +11,9 @@
 //! W J^T is stored, not the blocks: W has rank 6 per sole, while a sole of four vertices has twelve
 //! impulses, so their matrix would be larger and singular.
 
-use crate::contact::methods::exact::covering;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::{Solution, wrench_at};
-use crate::contact::model::state::{Mode, SoleState, States};
+use crate::contact::model::state::{Mode, Pattern, SoleState, States};
 use nalgebra::{Matrix3, Vector3};
 
 /// Fraction of the greatest normal impulse below which a point counts as unloaded.
@@ -136,7 +135,7 @@ impl Points {
         let mut states = States::default();
         for (s, sole) in p.soles.iter().enumerate() {
             let loaded = |i: usize| out.normal[s][i] > UNLOADED * greatest;
-            let pattern = covering(sole.vertices.len(), loaded);
+            let pattern = Pattern::covering(sole.vertices.len(), loaded);
             let (mut holding, mut held, mut slipping) = (None, 0, 0);
             for (c, point) in self.list.iter().enumerate().filter(|(_, x)| x.sole == s && loaded(x.vertex)) {
                 if slips(c) {

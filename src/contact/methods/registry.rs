@@ -2,6 +2,7 @@
 //! line in [`METHODS`]. Scenarios, schemas, combination rules and reports read the descriptor.
 
 use super::contact_method::{ContactMethod, ContactSolver};
+use super::exact::ExactParameters;
 use super::lcp::LcpParameters;
 use super::ncp::NcpParameters;
 use super::penalty::PenaltyParameters;
@@ -52,6 +53,8 @@ impl MethodDescriptor {
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MethodParameters {
+    /// Search of `exact`.
+    pub exact: ExactParameters,
     /// Springs and dampers of `penalty`.
     pub penalty: PenaltyParameters,
     /// Friction directions of `lcp`.

@@ -13,6 +13,7 @@
 //! a sole moves with `m_lin + m_ang x r_i + c_i`, where `c_i` is the centripetal term
 //! `omega x (omega x r_i)` at the acceleration level and zero at the velocity level.
 
+use crate::contact::model::state::{Pattern, SoleState};
 use nalgebra::{Vector2, Vector3};
 
 /// Level of a [`Problem`]: the meaning of its motions and wrenches.
@@ -50,6 +51,13 @@ pub const TOUCHING: f64 = 1e-10;
 /// Greatest acceleration of an unclamped touching vertex into the floor with located events, m/s^2.
 const SINKING: f64 = 1e-3;
 
+/// Height, in distance tolerances, up to which a vertex belongs to a pattern within d. The fourth
+/// vertex of a rectangle is at most three times as high as the others.
+const FARTHER: f64 = 3.0;
+
+/// The same height, m, for soles of many vertices that land flat.
+const FLAT: f64 = 1e-8;
+
 impl Tolerances {
     /// Tolerances of methods with located events. Every vertex meets the floor in its own event, so
     /// none is clamped above the floor. The downward acceleration covers rounding only.
@@ -78,6 +86,9 @@ pub struct Vertex {
     /// True if the velocity gives `direction`. False if a sliding state must find it from the
     /// resulting motion (slip onset, impact).
     pub moving: bool,
+    /// Slides, but counts as at rest: it also moves along the normal, slowly, and clamping it changes
+    /// its velocity.
+    pub settles: bool,
     /// At the velocity level: whether this vertex may meet the floor (in this impact, or before the
     /// end of this step).
     pub near: bool,
@@ -122,6 +133,16 @@ pub struct SoleProblem {
 }
 
 impl SoleProblem {
+    /// Vertices that may be clamped, one bit each: those within d of the floor, and where these are no
+    /// pattern, such as three of four, the others of the smallest pattern that covers them, unless
+    /// clearly higher.
+    pub fn clampable(&self, tol: &Tolerances) -> u64 {
+        let k = self.vertices.len();
+        let state = SoleState::fixed(Pattern::covering(k, |i| self.vertices[i].is_near(tol)));
+        let limit = (FARTHER * tol.distance).max(FLAT);
+        (0..k).filter(|&i| state.clamps(i, k) && self.vertices[i].height <= limit).fold(0, |set, i| set | 1 << i)
+    }
+
     /// Target normal motion of vertex `i`: `(target_lin + target_ang x r_i) . n`.
     pub fn vertex_target(&self, i: usize) -> f64 {
         let r = &self.vertices[i].r;

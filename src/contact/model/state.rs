@@ -25,6 +25,16 @@ pub enum Pattern {
     Face,
 }
 
+impl Pattern {
+    /// The smallest pattern of `k` vertices that clamps all for which `clamp` holds.
+    pub fn covering(k: usize, clamp: impl Fn(usize) -> bool) -> Pattern {
+        SoleState::patterns(k)
+            .find(|&p| (0..k).all(|i| !clamp(i) || SoleState::fixed(p).clamps(i, k)))
+            .filter(|_| (0..k).any(&clamp))
+            .unwrap_or(Pattern::Free)
+    }
+}
+
 /// Sticking or sliding.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Default)]
 pub enum Mode {

@@ -139,7 +139,12 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
             let motion = p.vertex_motion(&solution.motion, s, i).z;
             let clamped = state.clamps(i, k);
             let (geometric, kinematic) = match p.level {
-                Level::Acceleration => acceleration_violation(v, clamped, motion, tol, rules.hops),
+                Level::Acceleration if clamped => {
+                    let high = v.height > tol.distance && sole.clampable(tol) >> i & 1 == 0;
+                    let speed = v.velocity.z / tol.velocity;
+                    (if high { v.height / tol.distance } else { 0.0 }, if speed > 1.0 { speed } else { 0.0 })
+                }
+                Level::Acceleration => unclamped_violation(v, motion, tol, rules.hops),
                 // The motion after the impulse decides.
                 Level::Velocity if clamped => {
                     // Redundant soles may have contradicting rebound targets; the deviation counts
@@ -203,25 +208,23 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
     assessment
 }
 
-/// Geometric and kinematic violation of one vertex at the acceleration level.
-fn acceleration_violation(v: &Vertex, clamped: bool, motion: f64, tol: &Tolerances, hops: bool) -> (f64, f64) {
+/// Geometric and kinematic violation of one unclamped vertex at the acceleration level.
+fn unclamped_violation(v: &Vertex, motion: f64, tol: &Tolerances, hops: bool) -> (f64, f64) {
     let (height, speed) = (v.height / tol.distance, v.velocity.z / tol.velocity);
-    if clamped {
-        (if height > 1.0 { height } else { 0.0 }, if speed > 1.0 { speed } else { 0.0 })
-    } else if height > 1.0 {
-        (0.0, 0.0)
-    } else {
-        let kinematic = if speed < -1.0 {
-            -speed
-        } else if speed <= 1.0 && motion < -tol.acceleration && !(hops && v.velocity.z > tol.rest) {
-            -motion / tol.acceleration
-        } else {
-            0.0
-        };
-        // A vertex that an event found at the edge of the band may continue there.
-        let deep = v.height < -(tol.distance + TOUCHING);
-        (if deep && speed <= 0.0 { -height } else { 0.0 }, kinematic)
+    if height > 1.0 {
+        return (0.0, 0.0);
     }
+    let kinematic = if speed < -1.0 {
+        -speed
+    } else if speed <= 1.0 && motion < -tol.acceleration && !(hops && v.velocity.z > tol.rest) {
+        -motion / tol.acceleration
+    } else {
+        0.0
+    };
+    // A vertex that an event found at the edge of the band may continue there.
+    let deep = v.height < -(tol.distance + TOUCHING);
+    let rises = speed > 0.0 || v.velocity.z > -tol.rest && motion > 0.0;
+    (if deep && !rises { -height } else { 0.0 }, kinematic)
 }
 
 /// Margins of one sole in its state. Needs the vertex forces of the solution. Static soles of one

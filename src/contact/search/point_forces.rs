@@ -1,5 +1,5 @@
 //! Solves the contact problem with every vertex as a point, to find which vertices carry and which
-//! slip. An independent solution for tests; the search does not use it yet.
+//! slip.
 //!
 //! For the points c that may touch, with forces `f_c = (t_c, N_c)` and motions
 //! `m_c = g_c + sum_d H_cd f_d`, `H = A^T W A`, where A collects the wrenches of the points:
@@ -34,8 +34,6 @@ const ITERATIONS: usize = 2000;
 /// Residuals at which the states are read, relative to load and motion: far below the forces and
 /// motions by which states differ, far above rounding.
 const ACCURATE: f64 = 1e-9;
-/// Force of a vertex that carries, relative to the greatest.
-const CARRIES: f64 = 1e-6;
 /// Tangential motion of a vertex that slips, relative to the motion without contact.
 const SLIPS: f64 = 1e-6;
 /// Most points.
@@ -68,15 +66,6 @@ pub struct PointForces {
     motion: DVector<f64>,
 }
 
-/// Result of a solve.
-#[derive(Clone, Copy, Debug)]
-pub struct PointStates {
-    /// Pattern that covers the carrying vertices of each sole, with its mode.
-    pub states: States,
-    /// Greatest residual, relative.
-    pub residual: f64,
-}
-
 impl PointForces {
     /// For problems of this size.
     pub fn new(p: &Problem) -> Self {
@@ -90,8 +79,8 @@ impl PointForces {
         }
     }
 
-    /// Solves for the vertices for which `touches` holds and reads the states of the soles.
-    pub fn solve(&mut self, p: &Problem, touches: impl Fn(usize, usize) -> bool) -> PointStates {
+    /// Solves for the vertices for which `touches` holds. Returns the greatest residual, relative.
+    pub fn solve(&mut self, p: &Problem, touches: impl Fn(usize, usize) -> bool) -> f64 {
         self.points.clear();
         for (s, i) in p.vertex_indices().filter(|&(s, i)| touches(s, i)).take(MAX_POINTS) {
             let v = &p.soles[s].vertices[i];
@@ -114,7 +103,7 @@ impl PointForces {
             });
         }
         if self.points.is_empty() {
-            return PointStates { states: States::default(), residual: 0.0 };
+            return 0.0;
         }
         let mut residual = self.iterate(p);
         // What slips does so with mu_k.
@@ -130,7 +119,7 @@ impl PointForces {
         if changed {
             residual = self.iterate(p);
         }
-        PointStates { states: self.read(p), residual }
+        residual
     }
 
     /// Motions of the soles with the forces of the last solve, 6F.
@@ -284,23 +273,25 @@ impl PointForces {
         }
     }
 
-    /// The states that the solution indicates: the smallest pattern over the carrying vertices. It
-    /// slides if they slip, about the only one that does not.
-    fn read(&self, p: &Problem) -> States {
+    /// The states that the solution indicates: the smallest pattern over the carrying vertices, those
+    /// with more than `least` of the greatest force. It slides if they slip, about the only one that
+    /// does not.
+    pub fn states(&self, p: &Problem, least: f64) -> States {
         let mut states = States::default();
         let load = self.points.iter().map(|point| point.split.z).fold(0.0, f64::max);
         let drive = self.drive();
         for s in 0..p.soles.len().min(MAX_SOLES) {
             let k = p.soles[s].vertices.len();
             let (mut carrying, mut slipping) = (0u64, 0u64);
-            for point in self.points.iter().filter(|point| point.sole == s && point.split.z > CARRIES * load) {
+            for point in self.points.iter().filter(|point| point.sole == s && point.split.z > least * load) {
                 carrying |= 1 << point.vertex;
                 let slips = point.direction.is_some() || point.dual.xy().norm() > SLIPS * drive;
                 slipping |= u64::from(slips) << point.vertex;
             }
-            let covers =
-                |pattern: &Pattern| (0..k).all(|i| carrying >> i & 1 == 0 || SoleState::fixed(*pattern).clamps(i, k));
-            let Some(pattern) = SoleState::patterns(k).find(covers).filter(|_| carrying != 0) else { continue };
+            let pattern = Pattern::covering(k, |i| carrying >> i & 1 == 1);
+            if pattern == Pattern::Free {
+                continue;
+            }
             let sticking = carrying & !slipping;
             let mode = match (slipping, sticking.count_ones()) {
                 (0, _) => Mode::Static,

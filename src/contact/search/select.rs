@@ -1,28 +1,54 @@
-//! Selects the contact state by a best-first search over candidates (`docs/contact.md`, section 4;
-//! [Hale 2008], section III.A).
+//! Selects the contact state (`docs/contact.md`, section 4).
 //!
-//! The search starts from the state that continuity suggests. Candidates wait in a priority queue
-//! ordered by [`Assessment::compare`]. The best is expanded by the local moves that its faults
-//! suggest; no candidate is tested twice. The search ends at the first valid candidate that none of
-//! its smaller neighbours beats. If the queue empties first:
+//! A search tests candidates: it solves each with its modes ([`candidate`](super::candidate)) and
+//! judges it ([`judge`](super::judge)). Candidates wait in a priority queue ordered by
+//! [`Assessment::compare`]. The best is expanded by the local [`moves`](super::moves) that its faults
+//! suggest; no candidate is tested twice. A search ends at the first valid candidate that none of its
+//! smaller neighbours beats, or without one after its limit.
+//!
+//! The order `direct` searches
+//!
+//! 1. near the state that continuity suggests;
+//! 2. near the states of the contact problem solved with every vertex as a point
+//!    ([`point_forces`](super::point_forces));
+//! 3. near those of the same with vertices sliding whose slow normal motion is about to be settled;
+//! 4. near those of the same without vertices that leave the floor, with slow hops allowed;
+//! 5. as the order `paper`.
+//!
+//! The order `paper` is the best-first search of [Hale 2008], section III.A, without limit, from the
+//! state that continuity suggests. If the queue empties first:
 //!
 //! 1. the search is repeated over clamped patterns, with modes from
-//!    [`crate::contact::search::regularized_modes`];
+//!    [`regularized_modes`](super::regularized_modes);
 //! 2. both are repeated with slow hops allowed;
 //! 3. all states of all soles are tried;
 //! 4. the least violating candidate is returned, marked as inconsistent.
 
-use crate::contact::model::problem::{Level, Problem};
+use crate::contact::model::problem::{Level, Problem, Vertex};
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
+use crate::contact::model::state::{MAX_SOLES, Mode, SoleState, States};
 use crate::contact::search::candidate::{CandidateSolver, share_static};
-use crate::contact::search::judge::{Assessment, Faults, Rules, SUSPECT_FRICTION, judge, margin, onset};
+use crate::contact::search::judge::{Assessment, Rules, SUSPECT_FRICTION, judge, margin, onset};
+use crate::contact::search::moves::Moves;
+use crate::contact::search::point_forces::PointForces;
 use crate::contact::search::sliding_directions::{self, DirectionFinder, Onset, Slips};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
 /// More combinations than this are not enumerated when the local search fails.
 const ENUMERABLE: usize = 20_000;
+
+/// Candidates tested near the previous states. A face that slides needs 11 from the static face, from
+/// which fixed steps start.
+const NEAR: usize = 16;
+
+/// Candidates tested near each solution of the contact problem.
+const NEAR_SOLUTION: usize = 10;
+
+/// Force of a vertex that carries, relative to the greatest.
+const CARRIES: f64 = 1e-6;
 
 #[derive(Clone, Copy, Debug)]
 struct Entry {
@@ -42,6 +68,8 @@ pub struct Selection {
     pub states: States,
     /// Candidates tested.
     pub tested: usize,
+    /// Whether the search through all states was needed as a last resort.
+    pub full: bool,
     /// False when no candidate was valid.
     pub consistent: bool,
     /// Assessment of the chosen states.
@@ -52,15 +80,50 @@ impl Selection {
     /// Selection of a method that tries no candidates and claims no validity: its errors show in
     /// the residuals.
     pub fn unchecked(states: States) -> Self {
-        Selection { states, tested: 0, consistent: true, assessment: Assessment::default() }
+        Selection { states, tested: 0, full: false, consistent: true, assessment: Assessment::default() }
+    }
+}
+
+/// How the states are found.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum SearchOrder {
+    /// Near the previous states, then near those of the solved contact problem.
+    #[default]
+    Direct,
+    /// Best-first from the previous states alone, as in the paper.
+    Paper,
+}
+
+/// One selection: problem, rules, and the number of candidates tested so far.
+struct Task<'a> {
+    p: &'a mut Problem,
+    rules: Rules,
+    allowed: &'a dyn Fn(usize, SoleState) -> bool,
+    out: &'a mut Solution,
+    tested: usize,
+}
+
+impl Task<'_> {
+    /// Lets vertices whose motion is to be settled slide, or rest again. Returns whether there are
+    /// any.
+    fn slide_settling(&mut self, slide: bool) -> bool {
+        let settling = self.p.soles.iter_mut().flat_map(|sole| &mut sole.vertices).filter(|v| v.settles);
+        settling.fold(false, |_, v| {
+            v.moving = slide;
+            v.direction = if slide { v.velocity.xy().normalize() } else { Vector2::zeros() };
+            true
+        })
     }
 }
 
 /// The state search, with its scratch.
 #[derive(Clone, Debug)]
 pub struct Selector {
+    order: SearchOrder,
     solver: CandidateSolver,
     finder: DirectionFinder,
+    points: PointForces,
     /// First guess of the slips, in addition to those that the loads suggest.
     guess: Option<Slips>,
     /// Slip onset of soles whose load an event has put at its limit.
@@ -72,10 +135,12 @@ pub struct Selector {
 
 impl Selector {
     /// A selector for problems of this size.
-    pub fn new(p: &Problem) -> Self {
+    pub fn new(order: SearchOrder, p: &Problem) -> Self {
         Selector {
+            order,
             solver: CandidateSolver::new(p),
             finder: DirectionFinder::new(p),
+            points: PointForces::new(p),
             guess: None,
             onset: vec![Onset::default(); p.soles.len()],
             queue: Vec::with_capacity(1024),
@@ -123,67 +188,130 @@ impl Selector {
         allowed: &dyn Fn(usize, SoleState) -> bool,
         out: &mut Solution,
     ) -> Selection {
-        self.queue.clear();
-        self.patterns.clear();
         for (s, limit) in self.onset.iter_mut().enumerate() {
             limit.vertices = 0;
             if rules.suspect[s] & SUSPECT_FRICTION != 0 {
                 onset(p, &rules.previous, s, out, limit);
             }
         }
-        let (mut tested, mut hops) = (0, rules.hops);
-        self.push(p, start, rules, &mut tested, out);
-        self.explore(p, unchanged, false, rules, allowed, &mut tested, out);
-        let mut best = self.best();
-        if !best.assessment.valid() {
-            // Search again from the best candidate over patterns only; the modes are solved for.
-            self.queue.iter_mut().for_each(|e| e.expanded = true);
-            self.complete(p, &best.states, rules, allowed, &mut tested, out);
-            self.explore(p, false, true, rules, allowed, &mut tested, out);
-            best = self.best();
-            if !best.assessment.valid() && p.level == Level::Acceleration {
-                let lenient = Rules { hops: true, ..*rules };
-                self.queue.clear();
-                self.patterns.clear();
-                self.push(p, start, &lenient, &mut tested, out);
-                self.explore(p, false, false, &lenient, allowed, &mut tested, out);
-                best = self.best();
-                if !best.assessment.valid() {
-                    self.queue.iter_mut().for_each(|e| e.expanded = true);
-                    self.complete(p, &best.states, &lenient, allowed, &mut tested, out);
-                    self.explore(p, false, true, &lenient, allowed, &mut tested, out);
-                    best = self.best();
-                }
-                hops = best.assessment.valid();
-            }
-            if !best.assessment.valid() {
-                self.queue.clear();
-                self.push(p, start, rules, &mut tested, out);
-                self.enumerate(p, rules, allowed, &mut tested, out);
-                best = self.best();
-            }
+        let mut task = Task { p, rules: *rules, allowed, out, tested: 0 };
+        let direct = self.order == SearchOrder::Direct;
+        let found = direct && self.search_near(&mut task, start, unchanged);
+        if !found {
+            self.search_all(&mut task, start, unchanged);
         }
-        let rules = &Rules { hops, ..*rules };
+        let best = self.best();
         // Leave the chosen candidate's solution and directions in place.
         self.guess = Some(best.slips);
-        let assessment = self.test(p, &best.states, rules, out);
+        let assessment = self.test(task.p, &best.states, &task.rules, task.out);
         self.guess = None;
-        Selection { states: best.states, tested, consistent: assessment.valid(), assessment }
+        let full = direct && !found;
+        Selection { states: best.states, tested: task.tested, full, consistent: assessment.valid(), assessment }
     }
 
-    /// Expands the best candidates until one is valid and none of its smaller neighbours beats it.
-    #[expect(clippy::too_many_arguments)]
-    fn explore(
-        &mut self,
-        p: &mut Problem,
-        unchanged: bool,
-        completing: bool,
-        rules: &Rules,
-        allowed: &dyn Fn(usize, SoleState) -> bool,
-        tested: &mut usize,
-        out: &mut Solution,
-    ) {
+    /// Searches near the previous states, then near those of the solved contact problem. Returns
+    /// whether a valid state was found.
+    fn search_near(&mut self, task: &mut Task, start: &States, unchanged: bool) -> bool {
+        let level = task.p.level;
+        let tol = task.rules.tolerances;
+        self.restart();
+        self.push(task, start);
+        self.explore(task, unchanged, false, NEAR);
+        if self.is_found() {
+            return true;
+        }
+        self.propose(task, |v| if level == Level::Velocity { v.near } else { v.is_in_band(&tol) });
+        if self.is_found() || level == Level::Velocity {
+            return self.is_found();
+        }
+        if task.slide_settling(true) {
+            self.restart();
+            self.propose(task, |v| v.is_in_band(&tol));
+            if self.is_found() {
+                return true;
+            }
+            task.slide_settling(false);
+        }
+        task.rules.hops = true;
+        self.restart();
+        self.push(task, start);
+        self.propose(task, |v| v.is_in_band(&tol) && v.velocity.z <= tol.rest);
+        if !self.is_found() {
+            task.rules.hops = false;
+        }
+        self.is_found()
+    }
+
+    /// Searches all states, best-first from the previous ones.
+    fn search_all(&mut self, task: &mut Task, start: &States, unchanged: bool) {
+        let all = usize::MAX;
+        self.restart();
+        self.push(task, start);
+        self.explore(task, unchanged, false, all);
+        if self.is_found() {
+            return;
+        }
+        // Search again from the best candidate over patterns only; the modes are solved for.
+        self.explore_patterns(task);
+        if self.is_found() {
+            return;
+        }
+        if task.p.level == Level::Acceleration {
+            task.rules.hops = true;
+            self.restart();
+            self.push(task, start);
+            self.explore(task, false, false, all);
+            if !self.is_found() {
+                self.explore_patterns(task);
+            }
+            if self.is_found() {
+                return;
+            }
+            task.rules.hops = false;
+        }
+        self.restart();
+        self.push(task, start);
+        self.enumerate(task);
+    }
+
+    fn restart(&mut self) {
+        self.queue.clear();
+        self.patterns.clear();
+    }
+
+    fn is_found(&self) -> bool {
+        self.queue.iter().any(|e| e.assessment.valid())
+    }
+
+    /// Tests the states that the solution with every vertex as a point indicates, with the modes of
+    /// regularized friction if need be, and their neighbours.
+    fn propose(&mut self, task: &mut Task, touches: impl Fn(&Vertex) -> bool) {
+        let residual = self.points.solve(task.p, |s, i| touches(&task.p.soles[s].vertices[i]));
+        for least in [CARRIES.max(10.0 * residual), 1e3 * CARRIES.max(residual)] {
+            let states = self.points.states(task.p, least);
+            if (0..task.p.soles.len()).all(|s| (task.allowed)(s, states[s])) {
+                self.guess = Some(sliding_directions::slips(task.p, &states, self.points.motion(task.p)));
+                // Without the first guess the candidate may have failed.
+                self.queue.retain(|e| e.states != states || e.assessment.valid() || e.guessed);
+                self.push(task, &states);
+                self.guess = None;
+            }
+            if !self.is_found() {
+                self.complete(task, &states);
+            }
+        }
+        if !self.queue.is_empty() {
+            self.explore(task, false, false, task.tested + NEAR_SOLUTION);
+        }
+    }
+
+    /// Expands the best candidates until one is valid and none of its smaller neighbours beats it,
+    /// or until `limit` candidates were tested without success.
+    fn explore(&mut self, task: &mut Task, unchanged: bool, completing: bool, limit: usize) {
         loop {
+            if task.tested >= limit && !self.is_found() {
+                break;
+            }
             let best = (0..self.queue.len())
                 .filter(|&i| !self.queue[i].expanded)
                 .min_by(|&a, &b| order(&self.queue[a], &self.queue[b]));
@@ -196,61 +324,69 @@ impl Selector {
             if entry.assessment.valid() && unchanged {
                 break;
             }
-            for s in 0..p.soles.len() {
+            let soles = task.p.soles.len();
+            for s in 0..soles {
                 let faults = entry.assessment.faults[s];
                 let mut moves = Moves::default();
-                moves.suggest(p, s, entry.states[s], faults, entry.assessment.valid());
-                for &state in &moves.list[..moves.count] {
+                moves.suggest(task.p, s, entry.states[s], faults, entry.assessment.valid());
+                for &state in moves.states() {
+                    if task.tested >= limit && !self.is_found() {
+                        return;
+                    }
                     let mut next = entry.states;
                     next[s] = state;
                     if completing {
-                        self.complete(p, &next, rules, allowed, tested, out);
-                    } else if allowed(s, state) {
-                        self.push(p, &next, rules, tested, out);
+                        self.complete(task, &next);
+                    } else if (task.allowed)(s, state) {
+                        self.push(task, &next);
                     }
                 }
                 // Soles of one body start and stop slipping together.
-                let others = (0..p.soles.len()).filter(|&t| t != s && p.soles[t].body == p.soles[s].body);
-                if faults.friction && !completing && others.clone().any(|t| entry.states[t] != SoleState::FREE) {
+                let body = task.p.soles[s].body;
+                let clamped = |t: usize| entry.states[t] != SoleState::FREE;
+                let group = |t: &usize| task.p.soles[*t].body == body;
+                if faults.friction && !completing && (0..soles).filter(group).any(|t| t != s && clamped(t)) {
                     let mut next = entry.states;
                     let mode = if entry.states[s].is_static() { Mode::Sliding } else { Mode::Static };
-                    for t in others.chain([s]).filter(|&t| entry.states[t] != SoleState::FREE) {
+                    for t in (0..soles).filter(group).filter(|&t| clamped(t)) {
                         next[t].mode = mode;
                     }
-                    if (0..p.soles.len()).all(|t| allowed(t, next[t])) {
-                        self.push(p, &next, rules, tested, out);
+                    if (0..soles).all(|t| (task.allowed)(t, next[t])) {
+                        self.push(task, &next);
                     }
                 }
             }
         }
     }
 
+    /// Repeats the search from the best candidate over clamped patterns.
+    fn explore_patterns(&mut self, task: &mut Task) {
+        let best = self.best();
+        self.queue.iter_mut().for_each(|e| e.expanded = true);
+        self.complete(task, &best.states);
+        self.explore(task, false, true, usize::MAX);
+    }
+
     /// Tests the patterns of `states` with the modes that regularized friction gives them.
-    fn complete(
-        &mut self,
-        p: &mut Problem,
-        states: &States,
-        rules: &Rules,
-        allowed: &dyn Fn(usize, SoleState) -> bool,
-        tested: &mut usize,
-        out: &mut Solution,
-    ) {
+    fn complete(&mut self, task: &mut Task, states: &States) {
+        let soles = task.p.soles.len();
         let mut patterns = *states;
-        (0..p.soles.len()).for_each(|s| patterns[s] = SoleState::fixed(patterns[s].pattern));
+        (0..soles).for_each(|s| patterns[s] = SoleState::fixed(patterns[s].pattern));
         if self.patterns.contains(&patterns) {
             return;
         }
         self.patterns.push(patterns);
-        *tested += 1;
-        let Some(regularized) = self.finder.regularized_modes(&mut self.solver, p, &patterns, out) else { return };
+        task.tested += 1;
+        let regularized = self.finder.regularized_modes(&mut self.solver, task.p, &patterns, task.out);
+        let Some(regularized) = regularized else { return };
         // Only a trial distinguishes a slip that has just begun from viscous creep.
         for threshold in [10.0, 1e3, 1e6] {
-            let states = regularized.modes(p, threshold);
-            if (0..p.soles.len()).all(|s| allowed(s, states[s])) {
+            let states = regularized.modes(task.p, threshold);
+            if (0..soles).all(|s| (task.allowed)(s, states[s])) {
                 // Candidates that failed without a good first guess are tried again.
                 self.queue.retain(|e| e.states != states || e.assessment.valid() || e.guessed);
                 self.guess = Some(regularized.slips);
-                self.push(p, &states, rules, tested, out);
+                self.push(task, &states);
                 self.guess = None;
             }
         }
@@ -260,27 +396,22 @@ impl Selector {
         *self.queue.iter().min_by(|a, b| order(a, b)).expect("the start was pushed")
     }
 
-    fn push(&mut self, p: &mut Problem, states: &States, rules: &Rules, tested: &mut usize, out: &mut Solution) {
+    fn push(&mut self, task: &mut Task, states: &States) {
         if self.queue.iter().any(|e| e.states == *states) {
             return;
         }
-        let assessment = self.test(p, states, rules, out);
-        *tested += 1;
-        let slips = sliding_directions::slips(p, states, &out.motion);
+        let assessment = self.test(task.p, states, &task.rules, task.out);
+        task.tested += 1;
+        let slips = sliding_directions::slips(task.p, states, &task.out.motion);
         let guessed = self.guess.is_some();
         self.queue.push(Entry { states: *states, assessment, slips, guessed, expanded: false });
     }
 
-    fn enumerate(
-        &mut self,
-        p: &mut Problem,
-        rules: &Rules,
-        allowed: &dyn Fn(usize, SoleState) -> bool,
-        tested: &mut usize,
-        out: &mut Solution,
-    ) {
-        let sizes: [usize; MAX_SOLES] =
-            std::array::from_fn(|s| p.soles.get(s).map_or(1, |sole| SoleState::refined(sole.vertices.len()).count()));
+    /// Tests all states of all soles.
+    fn enumerate(&mut self, task: &mut Task) {
+        let states_of = |s: usize| SoleState::refined(task.p.soles[s].vertices.len());
+        let mut sizes = [1; MAX_SOLES];
+        (0..task.p.soles.len()).for_each(|s| sizes[s] = states_of(s).count());
         let total = sizes.iter().try_fold(1usize, |n, &k| n.checked_mul(k)).unwrap_or(usize::MAX);
         if total > ENUMERABLE {
             return;
@@ -288,12 +419,13 @@ impl Selector {
         for code in 0..total {
             let mut states = States::default();
             let mut rest = code;
-            for (s, sole) in p.soles.iter().enumerate() {
-                states[s] = SoleState::refined(sole.vertices.len()).nth(rest % sizes[s]).unwrap_or_default();
+            for s in 0..task.p.soles.len() {
+                let k = task.p.soles[s].vertices.len();
+                states[s] = SoleState::refined(k).nth(rest % sizes[s]).unwrap_or_default();
                 rest /= sizes[s];
             }
-            if (0..p.soles.len()).all(|s| allowed(s, states[s])) {
-                self.push(p, &states, rules, tested, out);
+            if (0..task.p.soles.len()).all(|s| (task.allowed)(s, states[s])) {
+                self.push(task, &states);
             }
         }
     }
@@ -302,76 +434,4 @@ impl Selector {
 /// Orders by assessment, then by a fixed order of the states: the outcome is deterministic.
 fn order(a: &Entry, b: &Entry) -> Ordering {
     a.assessment.compare(&b.assessment).then_with(|| a.states.cmp(&b.states))
-}
-
-/// First mode to try for a pattern: sliding if one of its vertices moves, else static.
-pub fn first_mode(p: &Problem, s: usize, pattern: Pattern) -> SoleState {
-    let sole = &p.soles[s];
-    let k = sole.vertices.len();
-    let state = SoleState::fixed(pattern);
-    let slides = (0..k).any(|i| state.clamps(i, k) && sole.vertices[i].moving);
-    if slides { SoleState::sliding(pattern) } else { state }
-}
-
-/// Local moves of one sole, on the stack. At most 64 vertices give at most 64 + 64 + 1 patterns.
-struct Moves {
-    list: [SoleState; 200],
-    count: usize,
-}
-
-impl Default for Moves {
-    fn default() -> Self {
-        Moves { list: [SoleState::FREE; 200], count: 0 }
-    }
-}
-
-impl Moves {
-    fn add(&mut self, state: SoleState) {
-        if self.count < self.list.len() {
-            self.list[self.count] = state;
-            self.count += 1;
-        }
-    }
-
-    fn suggest(&mut self, p: &Problem, s: usize, state: SoleState, faults: Faults, valid: bool) {
-        let k = p.soles[s].vertices.len();
-        let rows = state.normal_rows();
-        for pattern in SoleState::patterns(k) {
-            let next = SoleState::fixed(pattern);
-            let to_clamp = faults.penetrating | if valid { faults.resting } else { 0 };
-            let clamps_fault = (0..k).any(|i| to_clamp >> i & 1 == 1 && next.clamps(i, k));
-            let nested = |a: SoleState, b: SoleState| (0..k).all(|i| !a.clamps(i, k) || b.clamps(i, k));
-            // Clamp a vertex that enters the floor, keeping or replacing clamped vertices.
-            let clamp = clamps_fault && next.normal_rows() >= rows;
-            // Release a pulling vertex; for a valid candidate, try smaller patterns.
-            let release = (faults.pulling || valid) && next.normal_rows() < rows && nested(next, state);
-            // A pulling edge may have to be replaced by its neighbour.
-            let shift = faults.pulling && faults.penetrating != 0 && clamps_fault;
-            if pattern != state.pattern && (clamp || release || shift) {
-                self.add(first_mode(p, s, pattern));
-                if valid && state.is_dynamic() {
-                    self.add(SoleState::sliding(pattern));
-                }
-            }
-        }
-        if state.pattern == Pattern::Free {
-            return;
-        }
-        if faults.pulling || valid {
-            self.add(SoleState::FREE);
-        }
-        if faults.friction {
-            let with = |mode| SoleState { pattern: state.pattern, mode };
-            match state.mode {
-                Mode::Static => self.add(with(Mode::Sliding)),
-                Mode::Sliding | Mode::Pivoting(_) => {
-                    self.add(with(Mode::Static));
-                    self.add(with(Mode::Sliding));
-                    for i in (0..k).filter(|&i| rows > 1 && state.clamps(i, k) && !p.soles[s].vertices[i].moving) {
-                        self.add(with(Mode::Pivoting(i as u8)));
-                    }
-                }
-            }
-        }
-    }
 }

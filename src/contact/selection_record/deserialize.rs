@@ -160,6 +160,7 @@ impl VertexRecord {
             mu_k: self.mu_k,
             direction: Vector2::from(self.direction),
             moving: self.moving,
+            settles: false,
             near: self.near,
         }
     }

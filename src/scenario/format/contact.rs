@@ -6,7 +6,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{EnumAccess, Error, VariantAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::contact::methods::exact;
+use crate::contact::methods::exact::{self, ExactParameters};
 use crate::contact::methods::lcp::LcpParameters;
 use crate::contact::methods::ncp::NcpParameters;
 use crate::contact::methods::penalty::PenaltyParameters;
@@ -40,6 +40,8 @@ pub struct ContactSpec {
     pub events: EventHandling,
     /// Contact states imposed for a time.
     pub forced: Vec<ForcedState>,
+    /// Parameters of method `exact`.
+    pub exact: ExactParameters,
     /// Parameters of method `penalty`.
     pub penalty: PenaltyParameters,
     /// Parameters of method `lcp`.
@@ -51,7 +53,7 @@ pub struct ContactSpec {
 impl ContactSpec {
     /// Parameters of all methods.
     pub fn parameters(&self) -> MethodParameters {
-        MethodParameters { penalty: self.penalty, lcp: self.lcp, ncp: self.ncp }
+        MethodParameters { exact: self.exact, penalty: self.penalty, lcp: self.lcp, ncp: self.ncp }
     }
 }
 
@@ -65,6 +67,7 @@ impl Default for ContactSpec {
             restitution: 0.0,
             events: EventHandling::Locate,
             forced: Vec::new(),
+            exact: ExactParameters::default(),
             penalty: PenaltyParameters::default(),
             lcp: LcpParameters::default(),
             ncp: NcpParameters::default(),

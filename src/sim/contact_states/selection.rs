@@ -4,7 +4,7 @@
 use super::drift_projection::anchor;
 use crate::contact::hybrid::impact;
 use crate::contact::methods::contact_method::SelectionInput;
-use crate::contact::model::state::{MAX_SOLES, SoleState, States};
+use crate::contact::model::state::{MAX_SOLES, Pattern, SoleState, States};
 use crate::contact::search::judge::Rules;
 use crate::contact::search::select::Selection;
 use crate::sim::event_kind::EventKind;
@@ -14,9 +14,11 @@ use crate::sim::run_error::RunError;
 use nalgebra::Vector2;
 
 /// Rounds of selection and velocity jumps at one instant.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 8;
 /// Impacts that may follow each other at one instant.
 const CASCADE: usize = 32;
+/// Impacts at one instant after which all slow touching vertices are stopped together.
+const ALTERNATING: usize = 3;
 
 impl RunState {
     /// Chooses the contact states at the plant's present state, with impacts where vertices hit the
@@ -38,6 +40,9 @@ impl RunState {
             while self.plant.method.locates_events() && self.hits() {
                 self.impact(observer)?;
                 impacts += 1;
+                if impacts == ALTERNATING {
+                    self.stop_touching_vertices();
+                }
                 if impacts > CASCADE {
                     let t = self.plant.state.time;
                     return Err(RunError::new(
@@ -114,6 +119,7 @@ impl RunState {
     pub(in crate::sim) fn count(&mut self, selection: &Selection) {
         self.metrics.selections += 1;
         self.metrics.states_tested += selection.tested as u64;
+        self.metrics.full_searches += u64::from(selection.full);
         self.metrics.states_tested_max = self.metrics.states_tested_max.max(selection.tested as u64);
     }
 
@@ -193,6 +199,32 @@ impl RunState {
         }
         self.plant.states = states;
         Ok(())
+    }
+
+    /// Stops the slow normal motion of all touching vertices together, without friction.
+    ///
+    /// A sole brought to rest may drive another into the floor, whose impact lifts the first: jumps
+    /// below v_t alternate at one instant, and each loses little energy. This ends them.
+    fn stop_touching_vertices(&mut self) {
+        let tol = self.tolerances;
+        let mut states = States::default();
+        for (s, sole) in self.plant.problem.soles.iter().enumerate().filter(|(s, _)| !self.is_imposed(*s)) {
+            let k = sole.vertices.len();
+            let pattern = Pattern::covering(k, |i| sole.vertices[i].is_near(&tol));
+            let state = SoleState::sliding(pattern);
+            if pattern != Pattern::Free && (0..k).all(|i| !state.clamps(i, k) || sole.vertices[i].is_in_band(&tol)) {
+                states[s] = state;
+            }
+        }
+        let plant = &mut self.plant;
+        let p = &mut plant.problem;
+        let held = impact::set_rest(p, &plant.reduced.velocity, &states, &tol, 0.0);
+        p.soles.iter_mut().flat_map(|sole| &mut sole.vertices).for_each(|v| v.direction = Vector2::zeros());
+        plant.method.respond(p, &held, &mut self.projection);
+        p.set_directions(&plant.directions);
+        let jump = plant.apply_impulses(&self.projection.wrench);
+        self.energy.add_jump(jump);
+        self.plant.evaluate_free();
     }
 
     /// Brings the clamped directions of the adopted states to rest by a velocity jump. Returns the

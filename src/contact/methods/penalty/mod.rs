@@ -25,7 +25,6 @@
 mod step;
 
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput, StoredEnergy};
-use crate::contact::methods::exact::covering;
 use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::{Problem, Vertex};
 use crate::contact::model::solution::Solution;
@@ -108,7 +107,7 @@ impl Penalty {
         let mut states = States::default();
         for (s, sole) in p.soles.iter().enumerate() {
             let carries = |i: &usize| out.normal[s][*i] > 0.0;
-            let pattern = covering(sole.vertices.len(), |i| carries(&i));
+            let pattern = Pattern::covering(sole.vertices.len(), |i| carries(&i));
             let fastest = (0..sole.vertices.len()).filter(carries).map(|i| slip(s, i).norm()).fold(0.0, f64::max);
             let sticks = pattern == Pattern::Free || fastest < self.law.slip_velocity;
             states[s] = if sticks { SoleState::fixed(pattern) } else { SoleState::sliding(pattern) };
