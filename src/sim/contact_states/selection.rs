@@ -201,7 +201,7 @@ impl RunState {
         Ok(())
     }
 
-    /// Stops the slow normal motion of all touching vertices together, without friction.
+    /// Stops the slow normal motion of all touching vertices together, without sliding friction.
     ///
     /// A sole brought to rest may drive another into the floor, whose impact lifts the first: jumps
     /// below v_t alternate at one instant, and each loses little energy. This ends them.
