@@ -8,7 +8,7 @@ use stiction::assemble;
 use stiction::contact::methods::registry::{MethodDescriptor, MethodParameters};
 use stiction::contact::model::problem::Tolerances;
 use stiction::contact::model::solution::Solution;
-use stiction::contact::model::state::{MAX_SOLES, Pattern, SoleState, States};
+use stiction::contact::model::state::{Pattern, SoleState, States};
 use stiction::contact::search::judge::Rules;
 use stiction::contact::search::select::{SearchOrder, Selector};
 use stiction::robot;
@@ -83,6 +83,6 @@ fn selection_from_a_changed_state(bencher: Bencher) {
     let (mut selector, mut out) = (Selector::new(SearchOrder::Direct, &p), Solution::new(&p));
     let mut start = States::default();
     start[0] = SoleState::fixed(Pattern::Face);
-    let rules = Rules { tolerances: Tolerances::default(), previous: start, suspect: [0; MAX_SOLES], hops: false };
-    super::each(bencher, || selector.select(&mut p, &start, false, &rules, &|_, _| true, &mut out).tested);
+    let rules = Rules::new(Tolerances::default(), start);
+    super::each(bencher, || selector.select(&mut p, &[start], false, &rules, &|_, _| true, &mut out).tested);
 }

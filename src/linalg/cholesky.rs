@@ -15,6 +15,12 @@ impl Symmetric {
         Symmetric { n, entries: vec![0.0; n * n] }
     }
 
+    /// Changes the order to `n`. Allocates only beyond the greatest order so far.
+    pub fn set_order(&mut self, n: usize) {
+        self.n = n;
+        self.entries.resize(n * n, 0.0);
+    }
+
     /// Replaces A by its factor; false when A is not positive definite.
     pub fn factorize(&mut self) -> bool {
         let (n, a) = (self.n, &mut self.entries);

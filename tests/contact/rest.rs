@@ -31,7 +31,7 @@ pub fn select_with(order: SearchOrder, p: &mut Problem) -> (Selection, Solution)
     let (mut selector, mut out) = (Selector::new(order, p), Solution::new(p));
     let mut start = States::default();
     (0..p.soles.len()).for_each(|s| start[s] = stuck(p.soles[s].vertices.len()));
-    let selection = selector.select(p, &start, false, &rules(), &|_, _| true, &mut out);
+    let selection = selector.select(p, &[start], false, &rules(), &|_, _| true, &mut out);
     (selection, out)
 }
 

@@ -4,7 +4,7 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector2, Vector3};
 use proptest::prelude::*;
 use stiction::contact::model::problem::{Level, Problem, Tolerances};
-use stiction::contact::model::state::{MAX_SOLES, Pattern, SoleState, States};
+use stiction::contact::model::state::{Pattern, SoleState, States};
 use stiction::contact::search::judge::Rules;
 
 pub const G: f64 = 9.81;
@@ -88,7 +88,7 @@ impl Rigid {
 /// Rules with tolerances too small to affect the choice of state.
 pub fn rules() -> Rules {
     let tolerances = Tolerances { distance: 1e-8, velocity: 1e-8, acceleration: 1e-8, rest: 1e-10 };
-    Rules { tolerances, previous: States::default(), suspect: [0; MAX_SOLES], hops: false }
+    Rules::new(tolerances, States::default())
 }
 
 /// Three numbers in -1..1.

@@ -86,6 +86,12 @@ pub trait ContactSolver: Send {
     /// integrator.
     fn impulse(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection;
 
+    /// Impulses of a velocity-level step with every vertex as a point, and the states that they
+    /// indicate. None if the method has no such solution, or not to its accuracy.
+    fn point_impulse(&mut self, _: &Problem, _: &mut Solution) -> Option<States> {
+        None
+    }
+
     /// Wrenches for fixed states, with the directions in the problem: called at every evaluation.
     fn respond(&mut self, p: &Problem, states: &States, out: &mut Solution);
 

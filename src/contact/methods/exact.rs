@@ -88,12 +88,15 @@ impl ContactSolver for Exact {
         }
         let start = Self::carry_over(p, &input.rules.previous);
         let start = replace_forbidden(p, start, input);
-        self.selector.select(p, &start, !input.event, input.rules, input.allowed, out)
+        self.selector.select(p, &[start], !input.event, input.rules, input.allowed, out)
     }
 
     fn impulse(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
-        // Start with all vertices that touch and do not already leave.
+        // Start with all vertices that touch and do not already leave; in a fixed step, first with
+        // soles that slide on. Where static friction is greater than kinetic, rest comes first.
         let mut start = States::default();
+        let mut continued = States::default();
+        let mut rest_first = false;
         for (s, sole) in p.soles.iter().enumerate() {
             let approaches = |i: usize| {
                 let v = &sole.vertices[i];
@@ -103,9 +106,21 @@ impl ContactSolver for Exact {
             let previous = input.rules.previous[s];
             let pattern = Pattern::covering(k, |i| approaches(i) || (previous.clamps(i, k) && sole.vertices[i].near));
             start[s] = SoleState::fixed(pattern);
+            let slides_on = !input.event && previous.is_dynamic() && pattern != Pattern::Free;
+            let mode = if previous.pattern == pattern { previous.mode } else { Mode::Sliding };
+            continued[s] = if slides_on { SoleState { pattern, mode } } else { start[s] };
+            let clamped = sole.vertices.iter().enumerate().filter(|(i, _)| continued[s].clamps(*i, k));
+            rest_first |= slides_on && clamped.into_iter().any(|(_, v)| v.mu_s > v.mu_k);
         }
         let start = replace_forbidden(p, start, input);
-        self.selector.select(p, &start, !input.event, input.rules, input.allowed, out)
+        let continued = replace_forbidden(p, continued, input);
+        let starts = if rest_first { [start, continued] } else { [continued, start] };
+        let starts = if continued == start { &starts[..1] } else { &starts[..] };
+        self.selector.select(p, starts, !input.event, input.rules, input.allowed, out)
+    }
+
+    fn point_impulse(&mut self, p: &Problem, out: &mut Solution) -> Option<States> {
+        self.selector.solve_points(p, out)
     }
 
     fn respond(&mut self, p: &Problem, states: &States, out: &mut Solution) {

@@ -30,7 +30,7 @@ use crate::linalg::linear::Linear;
 use nalgebra::{Vector2, Vector3};
 
 /// Six numbers: a wrench or a row over a sole's motion.
-type Six = [f64; 6];
+pub(super) type Six = [f64; 6];
 
 /// Scratch of the candidate solve, allocated once.
 #[derive(Clone, Debug)]
@@ -183,6 +183,15 @@ impl CandidateSolver {
         for (c, x) in self.x[..n].iter().enumerate() {
             motion.iter_mut().zip(&self.wb[c * dim..(c + 1) * dim]).for_each(|(m, y)| *m += y * x);
         }
+    }
+
+    /// Unknowns (a wrench each) and conditions (row and right-hand side) of sole `s` alone in `state`.
+    /// Ends the validity of [`response`](Self::response).
+    pub(super) fn terms(&mut self, p: &Problem, s: usize, state: SoleState) -> (&[(usize, Six)], &[(usize, Six, f64)]) {
+        self.columns.clear();
+        self.rows.clear();
+        self.build(s, &p.soles[s], state);
+        (&self.columns, &self.rows)
     }
 
     /// Appends the unknowns and conditions of one sole.

@@ -11,7 +11,7 @@
 //! band is needed: an unclamped touching vertex must not approach beyond rounding.
 
 use crate::contact::model::friction_capacity::{self, Slip};
-use crate::contact::model::problem::{Level, Problem, SoleProblem, TOUCHING, Tolerances, Vertex};
+use crate::contact::model::problem::{Level, Problem, SoleProblem, TOUCHING, Tolerances};
 use crate::contact::model::sole_group;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
@@ -112,6 +112,15 @@ pub struct Rules {
     /// hops are normally stopped to keep bouncing finite; if no valid state stops them they are
     /// physical.
     pub hops: bool,
+    /// Rounding allowed in margins, relative to the load scale.
+    pub rounding: f64,
+}
+
+impl Rules {
+    /// Rules without a suspicion.
+    pub fn new(tolerances: Tolerances, previous: States) -> Self {
+        Rules { tolerances, previous, suspect: [0; MAX_SOLES], hops: false, rounding: ROUNDING }
+    }
 }
 
 /// Bit of `Rules::suspect`: the normal load is in doubt.
@@ -119,9 +128,12 @@ pub const SUSPECT_NORMAL: u8 = 1;
 /// Bit of `Rules::suspect`: the friction load is in doubt.
 pub const SUSPECT_FRICTION: u8 = 2;
 
-/// Rounding allowed in margins, relative to the load scale: solves with condition numbers up to
-/// about 1e4.
-const ROUNDING: f64 = 1e-12;
+/// Rounding normally allowed in margins, relative to the load scale: solves with condition numbers
+/// up to about 1e4.
+pub const ROUNDING: f64 = 1e-12;
+/// The same where no state is valid otherwise: condition numbers up to about 1e7, of light feet
+/// under a heavy robot.
+pub const MOST_ROUNDING: f64 = 1e-9;
 /// Margin that clears a suspicion, relative to the load scale.
 pub const CLEAR: f64 = 1e-9;
 
@@ -129,7 +141,7 @@ pub const CLEAR: f64 = 1e-9;
 pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, rules: &Rules) -> Assessment {
     let tol = &rules.tolerances;
     let mut assessment = Assessment::default();
-    let speed = p.soles.iter().flat_map(|s| &s.vertices).map(|v| v.velocity.norm()).fold(1.0, f64::max);
+    let speed = greatest_speed(p);
     for (s, sole) in p.soles.iter().enumerate() {
         let state = states[s];
         let faults = &mut assessment.faults[s];
@@ -144,7 +156,6 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
                     let speed = v.velocity.z / tol.velocity;
                     (if high { v.height / tol.distance } else { 0.0 }, if speed > 1.0 { speed } else { 0.0 })
                 }
-                Level::Acceleration => unclamped_violation(v, motion, tol, rules.hops),
                 // The motion after the impulse decides.
                 Level::Velocity if clamped => {
                     // Redundant soles may have contradicting rebound targets; the deviation counts
@@ -153,13 +164,7 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
                     let far = if v.near { 0.0 } else { 1.0 + v.height.max(0.0) / tol.distance };
                     (far, if missed > MISSED { missed } else { 0.0 })
                 }
-                Level::Velocity => {
-                    // Above the floor and within d of it, an approach up to v_t is tolerated until
-                    // the vertex arrives.
-                    let tolerated = if v.height > TOUCHING { tol.velocity } else { 0.0 };
-                    let short = (sole.vertex_target(i) - motion - tolerated) / speed;
-                    (0.0, if v.near && short > 1e-10 { short } else { 0.0 })
-                }
+                _ => unclamped_violation(p, s, i, motion, speed, rules),
             };
             let rests = p.level == Level::Acceleration
                 && v.height.abs() <= TOUCHING
@@ -179,7 +184,7 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
         // In another state the friction differs. A lost normal load may also be missing in a
         // smaller pattern.
         let suspect = rules.suspect[s] & if state == rules.previous[s] { u8::MAX } else { SUSPECT_NORMAL };
-        let floor = |bit: u8| if suspect & bit != 0 { CLEAR } else { -ROUNDING };
+        let floor = |bit: u8| if suspect & bit != 0 { CLEAR } else { -rules.rounding };
         // A face whose pressure rule failed has negative forces, wherever its centre of pressure
         // is.
         if !(normal >= floor(SUSPECT_NORMAL)) || !solution.inside[s] {
@@ -208,15 +213,29 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
     assessment
 }
 
-/// Geometric and kinematic violation of one unclamped vertex at the acceleration level.
-fn unclamped_violation(v: &Vertex, motion: f64, tol: &Tolerances, hops: bool) -> (f64, f64) {
+/// Greatest speed of a vertex, m/s, at least 1: the scale of motions at the velocity level.
+pub fn greatest_speed(p: &Problem) -> f64 {
+    p.soles.iter().flat_map(|s| &s.vertices).map(|v| v.velocity.norm()).fold(1.0, f64::max)
+}
+
+/// Geometric and kinematic violation of the unclamped vertex `i` of sole `s` with the normal motion
+/// `motion`. `scale` is [`greatest_speed`].
+pub fn unclamped_violation(p: &Problem, s: usize, i: usize, motion: f64, scale: f64, rules: &Rules) -> (f64, f64) {
+    let (v, tol) = (&p.soles[s].vertices[i], &rules.tolerances);
+    if p.level == Level::Velocity {
+        // Above the floor and within d of it, an approach up to v_t is tolerated until the vertex
+        // arrives.
+        let tolerated = if v.height > TOUCHING { tol.velocity } else { 0.0 };
+        let short = (p.soles[s].vertex_target(i) - motion - tolerated) / scale;
+        return (0.0, if v.near && short > 1e-10 { short } else { 0.0 });
+    }
     let (height, speed) = (v.height / tol.distance, v.velocity.z / tol.velocity);
     if height > 1.0 {
         return (0.0, 0.0);
     }
     let kinematic = if speed < -1.0 {
         -speed
-    } else if speed <= 1.0 && motion < -tol.acceleration && !(hops && v.velocity.z > tol.rest) {
+    } else if speed <= 1.0 && motion < -tol.acceleration && !(rules.hops && v.velocity.z > tol.rest) {
         -motion / tol.acceleration
     } else {
         0.0

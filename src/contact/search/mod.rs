@@ -3,8 +3,8 @@
 //! [`candidate`] solves the problem for one state of all soles. [`sliding_directions`] finds the
 //! directions of friction where no velocity gives them, [`regularized_modes`] which vertices stick
 //! and which slip. [`point_forces`] solves the problem with every vertex as a point.
-//! [`judge`] measures violations and margins, [`moves`] suggests neighbours, [`select`] runs the
-//! best-first search.
+//! [`judge`] measures violations and margins, [`moves`] suggests neighbours, [`neighbour_screen`]
+//! excludes those of a valid state, [`select`] runs the best-first search.
 //!
 //! Imports `contact::model` and `linalg`. Called by the methods `exact` and `one-step`. `sim` and
 //! the tests of residuals read margins of [`judge`].
@@ -12,6 +12,7 @@
 pub mod candidate;
 pub mod judge;
 pub mod moves;
+pub mod neighbour_screen;
 pub mod point_forces;
 pub mod regularized_modes;
 pub mod select;

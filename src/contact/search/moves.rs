@@ -31,6 +31,18 @@ impl Moves {
         &self.list[..self.count]
     }
 
+    /// Keeps the states for which `keep` holds.
+    pub fn retain(&mut self, mut keep: impl FnMut(SoleState) -> bool) {
+        let mut kept = 0;
+        for i in 0..self.count {
+            if keep(self.list[i]) {
+                self.list[kept] = self.list[i];
+                kept += 1;
+            }
+        }
+        self.count = kept;
+    }
+
     fn add(&mut self, state: SoleState) {
         if self.count < self.list.len() {
             self.list[self.count] = state;

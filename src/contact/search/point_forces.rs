@@ -21,16 +21,30 @@
 //!
 //! so an iteration costs products with A and one solve of size 6F. z = -l at the solution.
 //!
+//! The iteration is a map of `x = f + l / rho`, from which y = P_K(x) and l = rho (x - y) follow.
+//! Alone it needs thousands of iterations where many vertices of a sole share a load. Anderson's
+//! acceleration [Walker 2011] combines the last [`MEMORY`] of them: of all combinations of their
+//! results it takes that with the least change, which ends in a few iterations once the set of
+//! carrying and slipping vertices is found, as the map is then smooth. It starts anew where the
+//! change grows.
+//!
 //! The result names states to be tested; the accuracy of their forces is that of the candidate
 //! solve. A vertex in motion has mu_k. One at rest has mu_s, and mu_k once it slips.
 
 use crate::contact::model::problem::{Level, Problem};
-use crate::contact::model::solution::wrench_at;
+use crate::contact::model::solution::{Solution, wrench_at};
 use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
+use crate::linalg::cholesky::Symmetric;
 use nalgebra::{DMatrix, DVector, Vector2, Vector3};
 
 /// Most iterations of one solve.
 const ITERATIONS: usize = 2000;
+/// Iterations that the acceleration combines.
+const MEMORY: usize = 20;
+/// Growth of the change per iteration at which the acceleration starts anew.
+const GROWS: f64 = 2.0;
+/// Regularization of its least squares, relative: changes are nearly dependent near the solution.
+const DEPENDENT: f64 = 1e-12;
 /// Residuals at which the states are read, relative to load and motion: far below the forces and
 /// motions by which states differ, far above rounding.
 const ACCURATE: f64 = 1e-9;
@@ -53,6 +67,24 @@ struct Point {
     force: Vector3<f64>,
     split: Vector3<f64>,
     dual: Vector3<f64>,
+    /// x before the iteration.
+    before: Vector3<f64>,
+}
+
+impl Point {
+    /// Sets y and l from x.
+    fn set(&mut self, x: Vector3<f64>, rho: f64) {
+        self.split = project(x, self.mu, self.direction);
+        self.dual = (x - self.split) * rho;
+    }
+
+    /// The normal part of s.
+    fn shift(&self) -> f64 {
+        match self.direction {
+            None => self.mu * self.dual.xy().norm(),
+            Some(u) => -self.mu * u.dot(&self.dual.xy()),
+        }
+    }
 }
 
 /// Points of a problem and the scratch of their solution.
@@ -64,6 +96,14 @@ pub struct PointForces {
     pivots: Vec<usize>,
     wrench: DVector<f64>,
     motion: DVector<f64>,
+    /// Penalty of the method, iterations so far, and the residual after the last.
+    rho: f64,
+    acceleration: Acceleration,
+    iterations: usize,
+    residual: f64,
+    /// Whether slipping vertices have got mu_k.
+    has_slips: bool,
+    is_done: bool,
 }
 
 impl PointForces {
@@ -76,11 +116,27 @@ impl PointForces {
             pivots: vec![0; n],
             wrench: DVector::zeros(n),
             motion: DVector::zeros(n),
+            rho: 1.0,
+            acceleration: Acceleration::new(3 * p.vertex_indices().count().min(MAX_POINTS)),
+            iterations: 0,
+            residual: 0.0,
+            has_slips: false,
+            is_done: true,
         }
     }
 
     /// Solves for the vertices for which `touches` holds. Returns the greatest residual, relative.
     pub fn solve(&mut self, p: &Problem, touches: impl Fn(usize, usize) -> bool) -> f64 {
+        self.begin(p, touches, None);
+        while !self.is_done {
+            self.advance(p, ITERATIONS);
+        }
+        self.residual
+    }
+
+    /// Poses the problem of the vertices for which `touches` holds. Iterations start from no forces,
+    /// or from those of a solution times a factor.
+    pub fn begin(&mut self, p: &Problem, touches: impl Fn(usize, usize) -> bool, start: Option<(&Solution, f64)>) {
         self.points.clear();
         for (s, i) in p.vertex_indices().filter(|&(s, i)| touches(s, i)).take(MAX_POINTS) {
             let v = &p.soles[s].vertices[i];
@@ -89,6 +145,10 @@ impl PointForces {
                 free.z -= p.soles[s].vertex_target(i);
             }
             let (mu, direction) = if v.moving { (v.mu_k, Some(v.direction)) } else { (v.mu_s, None) };
+            let split = start.map_or(Vector3::zeros(), |(solution, factor)| {
+                let t = solution.tangent[s][i];
+                project(Vector3::new(t.x, t.y, solution.normal[s][i]) * factor, mu, direction)
+            });
             let zero = Vector3::zeros();
             self.points.push(Point {
                 sole: s,
@@ -97,29 +157,77 @@ impl PointForces {
                 free,
                 mu,
                 direction,
-                force: zero,
-                split: zero,
+                force: split,
+                split,
                 dual: zero,
+                before: zero,
             });
         }
-        if self.points.is_empty() {
-            return 0.0;
+        self.iterations = 0;
+        self.has_slips = false;
+        self.is_done = self.points.is_empty();
+        self.residual = if self.is_done { 0.0 } else { f64::INFINITY };
+        if self.is_done {
+            return;
         }
-        let mut residual = self.iterate(p);
-        // What slips does so with mu_k.
-        let mut changed = false;
-        let drive = self.drive();
-        for point in self.points.iter_mut().filter(|point| point.direction.is_none()) {
-            let v = &p.soles[point.sole].vertices[point.vertex];
-            if v.mu_k != v.mu_s && point.dual.xy().norm() > SLIPS * drive && point.split.z > 0.0 {
-                point.mu = v.mu_k;
-                changed = true;
+        if start.is_some() {
+            // l = -z with the motions of the starting forces.
+            self.motion(p);
+            for point in &mut self.points {
+                let m = &self.motion.as_slice()[6 * point.sole..6 * point.sole + 6];
+                let free = &p.b[6 * point.sole..6 * point.sole + 6];
+                let change = |r: usize| m[r] - free[r];
+                let linear = Vector3::new(change(0), change(1), change(2));
+                let turn = Vector3::new(change(3), change(4), change(5));
+                let z = point.free + linear + turn.cross(&point.r);
+                point.dual = -z;
+                point.dual.z -= point.shift();
             }
         }
-        if changed {
-            residual = self.iterate(p);
+        let n = p.dim();
+        let trace: f64 = (0..n).map(|i| p.w[i * n + i]).sum();
+        // Response of a point to its own force, roughly: the scale of H.
+        self.rho = trace / n as f64;
+        self.factorize(p, self.rho);
+        self.acceleration.restart();
+    }
+
+    /// Takes at most `count` iterations.
+    pub fn advance(&mut self, p: &Problem, count: usize) {
+        for _ in 0..count {
+            if self.is_done {
+                return;
+            }
+            self.iterate(p);
+            if self.residual >= ACCURATE && self.iterations < ITERATIONS {
+                continue;
+            }
+            // What slips does so with mu_k.
+            let drive = self.drive();
+            let mut changed = false;
+            if !std::mem::replace(&mut self.has_slips, true) {
+                for point in self.points.iter_mut().filter(|point| point.direction.is_none()) {
+                    let v = &p.soles[point.sole].vertices[point.vertex];
+                    if v.mu_k != v.mu_s && point.dual.xy().norm() > SLIPS * drive && point.split.z > 0.0 {
+                        point.mu = v.mu_k;
+                        changed = true;
+                    }
+                }
+            }
+            self.is_done = !changed;
+            self.iterations = 0;
+            self.acceleration.restart();
         }
-        residual
+    }
+
+    /// Whether the iterations have ended.
+    pub fn is_done(&self) -> bool {
+        self.is_done
+    }
+
+    /// Residual after the last iteration, relative.
+    pub fn residual(&self) -> f64 {
+        self.residual
     }
 
     /// Motions of the soles with the forces of the last solve, 6F.
@@ -147,49 +255,46 @@ impl PointForces {
         self.points.iter().map(|point| point.free.norm()).fold(0.0, f64::max)
     }
 
-    /// Iterates from the present forces; returns the relative residual.
-    fn iterate(&mut self, p: &Problem) -> f64 {
-        let n = p.dim();
+    /// One iteration.
+    fn iterate(&mut self, p: &Problem) {
         let drive = self.drive().max(f64::MIN_POSITIVE);
-        let trace: f64 = (0..n).map(|i| p.w[i * n + i]).sum();
-        // Response of a point to its own force, roughly: the scale of H.
-        let mut rho = trace / n as f64;
-        self.factorize(p, rho);
-        let mut residual = f64::INFINITY;
-        for iteration in 0..ITERATIONS {
-            let (mut primal, mut dual, mut load): (f64, f64, f64) = (0.0, 0.0, f64::MIN_POSITIVE);
-            for point in &mut self.points {
-                let shift = match point.direction {
-                    None => point.mu * point.dual.xy().norm(),
-                    Some(u) => -point.mu * u.dot(&point.dual.xy()),
-                };
-                point.force = point.split * rho - point.dual - point.free - Vector3::new(0.0, 0.0, shift);
-            }
-            self.apply_inverse(p, rho);
-            for point in &mut self.points {
-                let before = point.split;
-                point.split = project(point.force + point.dual / rho, point.mu, point.direction);
-                let gap = point.force - point.split;
-                point.dual += gap * rho;
-                primal = primal.max(gap.norm());
-                dual = dual.max((point.split - before).norm() * rho);
-                load = load.max(point.split.norm());
-            }
-            let (primal, dual) = (primal / load, dual / drive);
-            residual = primal.max(dual);
-            if residual < ACCURATE {
-                break;
-            }
-            // Balances the two residuals.
-            if iteration % 20 == 19 {
-                let ratio = (primal / dual).sqrt();
-                if !(0.3..3.0).contains(&ratio) && ratio.is_finite() && ratio > 0.0 {
-                    rho *= ratio.clamp(0.1, 10.0);
-                    self.factorize(p, rho);
-                }
+        let rho = self.rho;
+        let (mut primal, mut dual, mut load): (f64, f64, f64) = (0.0, 0.0, f64::MIN_POSITIVE);
+        for point in &mut self.points {
+            let shift = Vector3::new(0.0, 0.0, point.shift());
+            point.before = point.split + point.dual / rho;
+            point.force = point.split * rho - point.dual - point.free - shift;
+        }
+        self.apply_inverse(p, rho);
+        for point in &mut self.points {
+            let (force, split) = (point.force, point.split);
+            point.set(force + point.dual / rho, rho);
+            primal = primal.max((force - point.split).norm());
+            dual = dual.max((point.split - split).norm() * rho);
+            load = load.max(point.split.norm());
+        }
+        let (primal, dual) = (primal / load, dual / drive);
+        self.residual = primal.max(dual);
+        self.iterations += 1;
+        if self.residual < ACCURATE {
+            return;
+        }
+        // Balances the two residuals.
+        let ratio = (primal / dual).sqrt();
+        let unbalanced = !(0.3..3.0).contains(&ratio) && ratio.is_finite() && ratio > 0.0;
+        if self.iterations.is_multiple_of(20) && unbalanced {
+            self.rho *= ratio.clamp(0.1, 10.0);
+            self.factorize(p, self.rho);
+            self.acceleration.restart();
+            return;
+        }
+        let points = &mut self.points;
+        let sequence = points.iter().map(|point| (point.before, point.split + point.dual / rho));
+        if let Some(next) = self.acceleration.combine(sequence) {
+            for (point, x) in points.iter_mut().zip(next.chunks_exact(3)) {
+                point.set(Vector3::from_column_slice(x), rho);
             }
         }
-        residual
     }
 
     /// Replaces the forces x by `(H + rho)^-1 x`.
@@ -302,6 +407,113 @@ impl PointForces {
             states[s] = SoleState { pattern, mode };
         }
         states
+    }
+}
+
+/// Anderson's acceleration of a fixed-point iteration `x <- G(x)`.
+///
+/// With the changes dG and dr of the last results and of r = G(x) - x, the next point is
+/// `G - dG c` with the c that minimizes |r - dr c|.
+#[derive(Clone, Debug)]
+struct Acceleration {
+    /// Changes of G and r, one after the other; the oldest is replaced.
+    results: Vec<f64>,
+    residuals: Vec<f64>,
+    count: usize,
+    next: usize,
+    /// The last G and r, and the size of r; none after a restart.
+    last: Vec<f64>,
+    last_residual: Vec<f64>,
+    last_size: Option<f64>,
+    point: Vec<f64>,
+    /// Products of the changes of r, and their factor.
+    gram: Vec<f64>,
+    factor: Symmetric,
+    coefficients: Vec<f64>,
+}
+
+impl Acceleration {
+    /// For points of at most `n` numbers.
+    fn new(n: usize) -> Self {
+        Acceleration {
+            results: vec![0.0; MEMORY * n],
+            residuals: vec![0.0; MEMORY * n],
+            count: 0,
+            next: 0,
+            last: Vec::with_capacity(n),
+            last_residual: Vec::with_capacity(n),
+            last_size: None,
+            point: Vec::with_capacity(n),
+            gram: vec![0.0; MEMORY * MEMORY],
+            factor: Symmetric::zeros(MEMORY),
+            coefficients: vec![0.0; MEMORY],
+        }
+    }
+
+    fn restart(&mut self) {
+        (self.count, self.next, self.last_size) = (0, 0, None);
+    }
+
+    /// The next point after an iteration from x to G(x), given as pairs of three numbers each; none
+    /// if it is G(x) itself.
+    fn combine(&mut self, sequence: impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> + Clone) -> Option<&[f64]> {
+        let size = sequence.clone().map(|(x, g)| (g - x).norm_squared()).sum::<f64>().sqrt();
+        let n = 3 * sequence.clone().count();
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        match self.last_size {
+            Some(last) if size <= GROWS * last => {
+                let at = self.next * n..(self.next + 1) * n;
+                let results = self.results[at.clone()].chunks_exact_mut(3).zip(self.last.chunks_exact(3));
+                let residuals = self.residuals[at].chunks_exact_mut(3).zip(self.last_residual.chunks_exact(3));
+                for (((x, g), (dg, before)), (dr, residual)) in sequence.clone().zip(results).zip(residuals) {
+                    for axis in 0..3 {
+                        dg[axis] = g[axis] - before[axis];
+                        dr[axis] = g[axis] - x[axis] - residual[axis];
+                    }
+                }
+                self.count = (self.count + 1).min(MEMORY);
+                let changes = self.residuals.chunks_exact(n).take(self.count);
+                for (i, change) in changes.enumerate() {
+                    let product = dot(change, &self.residuals[self.next * n..(self.next + 1) * n]);
+                    self.gram[i * MEMORY + self.next] = product;
+                    self.gram[self.next * MEMORY + i] = product;
+                }
+                self.next = (self.next + 1) % MEMORY;
+            }
+            Some(_) => self.restart(),
+            None => {}
+        }
+        self.last_size = Some(size);
+        self.last.clear();
+        self.last_residual.clear();
+        for (x, g) in sequence {
+            self.last.extend_from_slice(g.as_slice());
+            self.last_residual.extend_from_slice((g - x).as_slice());
+        }
+        let m = self.count;
+        if m == 0 {
+            return None;
+        }
+        self.factor.set_order(m);
+        let trace: f64 = (0..m).map(|i| self.gram[i * MEMORY + i]).sum();
+        for (i, row) in self.factor.entries.chunks_exact_mut(m).enumerate() {
+            row.copy_from_slice(&self.gram[i * MEMORY..i * MEMORY + m]);
+            row[i] += DEPENDENT * trace;
+        }
+        for (c, change) in self.coefficients.iter_mut().zip(self.residuals.chunks_exact(n)).take(m) {
+            *c = dot(change, &self.last_residual);
+        }
+        if !self.factor.factorize() {
+            self.restart();
+            return None;
+        }
+        self.factor.solve(&mut self.coefficients[..m]);
+        self.point.clear();
+        self.point.extend_from_slice(&self.last);
+        for (c, dg) in self.coefficients[..m].iter().zip(self.results.chunks_exact(n)) {
+            self.point.iter_mut().zip(dg).for_each(|(x, dg)| *x -= c * dg);
+        }
+        Some(&self.point)
     }
 }
 

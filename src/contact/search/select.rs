@@ -28,8 +28,9 @@ use crate::contact::model::problem::{Level, Problem, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, Mode, SoleState, States};
 use crate::contact::search::candidate::{CandidateSolver, share_static};
-use crate::contact::search::judge::{Assessment, Rules, SUSPECT_FRICTION, judge, margin, onset};
+use crate::contact::search::judge::{Assessment, MOST_ROUNDING, Rules, SUSPECT_FRICTION, judge, margin, onset};
 use crate::contact::search::moves::Moves;
+use crate::contact::search::neighbour_screen::NeighbourScreen;
 use crate::contact::search::point_forces::PointForces;
 use crate::contact::search::sliding_directions::{self, DirectionFinder, Onset, Slips};
 use nalgebra::{Vector2, Vector3};
@@ -40,12 +41,21 @@ use std::cmp::Ordering;
 /// More combinations than this are not enumerated when the local search fails.
 const ENUMERABLE: usize = 20_000;
 
-/// Candidates tested near the previous states. A face that slides needs 11 from the static face, from
-/// which fixed steps start.
-const NEAR: usize = 16;
+/// Candidates tested near the previous states at an event. In a fixed step the contact problem,
+/// solved from the forces of the last step, finds changed states sooner.
+const NEAR: usize = 4;
 
 /// Candidates tested near each solution of the contact problem.
 const NEAR_SOLUTION: usize = 10;
+
+/// Iterations of the contact problem between two readings of its states.
+const BETWEEN_READINGS: usize = 20;
+
+/// Candidates tested before the contact problem is solved to its accuracy.
+const EARLY: usize = 4;
+
+/// Greatest relative residual of a contact problem whose solution is taken as it is.
+const LEAST_ACCURATE: f64 = 1e-5;
 
 /// Force of a vertex that carries, relative to the greatest.
 const CARRIES: f64 = 1e-6;
@@ -56,6 +66,8 @@ struct Entry {
     assessment: Assessment,
     /// Slips of its soles, from which its directions are found again.
     slips: Slips,
+    /// Whether its sliding directions are consistent.
+    slides: bool,
     /// Whether its directions were found from a regularized start.
     guessed: bool,
     expanded: bool,
@@ -124,11 +136,23 @@ pub struct Selector {
     solver: CandidateSolver,
     finder: DirectionFinder,
     points: PointForces,
+    screen: NeighbourScreen,
+    /// Solution of the previous states, and the factor that makes forces of its loads.
+    last: Solution,
+    last_factor: f64,
     /// First guess of the slips, in addition to those that the loads suggest.
     guess: Option<Slips>,
     /// Slip onset of soles whose load an event has put at its limit.
     onset: Vec<Onset>,
     queue: Vec<Entry>,
+    /// The candidate whose sliding directions are in the problem.
+    in_place: Option<States>,
+    /// Whether the sliding directions of the candidate just tested are consistent.
+    slides: bool,
+    /// The best candidate so far, with its directions and its solution.
+    kept: Option<States>,
+    kept_directions: Vec<Vector2<f64>>,
+    kept_solution: Solution,
     /// Clamped patterns whose modes have been solved for.
     patterns: Vec<States>,
 }
@@ -141,9 +165,17 @@ impl Selector {
             solver: CandidateSolver::new(p),
             finder: DirectionFinder::new(p),
             points: PointForces::new(p),
+            screen: NeighbourScreen::new(p),
+            last: Solution::new(p),
+            last_factor: 0.0,
             guess: None,
             onset: vec![Onset::default(); p.soles.len()],
             queue: Vec::with_capacity(1024),
+            in_place: None,
+            slides: true,
+            kept: None,
+            kept_directions: Vec::with_capacity(p.vertex_indices().count()),
+            kept_solution: Solution::new(p),
             patterns: Vec::with_capacity(256),
         }
     }
@@ -155,34 +187,44 @@ impl Selector {
 
     /// Solves and judges one candidate.
     pub fn test(&mut self, p: &mut Problem, states: &States, rules: &Rules, out: &mut Solution) -> Assessment {
-        // A static load beyond its capacity gives the direction of slip.
+        let mut slides = false;
+        if let Some(guess) = self.guess {
+            slides = self.finder.solve(&mut self.solver, p, states, &[guess], &self.onset, out);
+        }
+        if !slides {
+            let hint = self.slip_of_static_load(p, states, out);
+            slides = self.finder.solve(&mut self.solver, p, states, &[hint], &self.onset, out);
+        }
+        share_static(p, states, out);
+        (self.in_place, self.slides) = (Some(*states), slides);
+        judge(p, states, out, slides, rules)
+    }
+
+    /// Slips in which the static loads of soles with undetermined sliding directions exceed their
+    /// capacity.
+    fn slip_of_static_load(&mut self, p: &Problem, states: &States, out: &mut Solution) -> Slips {
         let mut hint = [Vector3::zeros(); MAX_SOLES];
-        if (0..p.soles.len()).any(|s| sliding_directions::is_implicit(p, states, s)) {
-            let mut stuck = *states;
-            (0..p.soles.len())
-                .filter(|&s| sliding_directions::is_implicit(p, states, s))
-                .for_each(|s| stuck[s].mode = Mode::Static);
+        let mut stuck = *states;
+        let implicit = |s: &usize| sliding_directions::is_implicit(p, states, *s);
+        (0..p.soles.len()).filter(implicit).for_each(|s| stuck[s].mode = Mode::Static);
+        if stuck != *states {
             self.solver.solve(p, &stuck, out);
             share_static(p, &stuck, out);
             for s in (0..p.soles.len()).filter(|&s| stuck[s] != states[s]) {
                 hint[s] = margin(p, &stuck, s, out).slip;
             }
         }
-        let hints = [self.guess.unwrap_or(hint), hint];
-        let hints = if self.guess.is_some() { &hints[..] } else { &hints[..1] };
-        let slides = self.finder.solve(&mut self.solver, p, states, hints, &self.onset, out);
-        share_static(p, states, out);
-        judge(p, states, out, slides, rules)
+        hint
     }
 
-    /// Selects the states. `start` is tried first. Smaller neighbours of a valid candidate are
-    /// tried too, unless `unchanged` is set: no event since `start` was chosen. `out` holds the
-    /// solution of the previous states. `allowed` restricts the states of each sole (forced
-    /// states).
+    /// Selects the states. `starts` are tried first, in order. Smaller neighbours of a valid
+    /// candidate are tried too, unless `unchanged` is set: no event since the first of `starts` was
+    /// chosen. `out` holds the solution of the previous states. `allowed` restricts the states of
+    /// each sole (forced states).
     pub fn select(
         &mut self,
         p: &mut Problem,
-        start: &States,
+        starts: &[States],
         unchanged: bool,
         rules: &Rules,
         allowed: &dyn Fn(usize, SoleState) -> bool,
@@ -194,34 +236,68 @@ impl Selector {
                 onset(p, &rules.previous, s, out, limit);
             }
         }
+        // Loads of velocity-level steps are kept as forces.
+        self.last_factor = match p.level {
+            Level::Acceleration => 1.0,
+            Level::Velocity => p.step,
+        };
+        self.last.copy_from(out);
         let mut task = Task { p, rules: *rules, allowed, out, tested: 0 };
         let direct = self.order == SearchOrder::Direct;
-        let found = direct && self.search_near(&mut task, start, unchanged);
+        let found = direct && self.search_near(&mut task, starts, unchanged);
         if !found {
-            self.search_all(&mut task, start, unchanged);
+            self.search_all(&mut task, &starts[starts.len() - 1], unchanged);
         }
         let best = self.best();
         // Leave the chosen candidate's solution and directions in place.
-        self.guess = Some(best.slips);
-        let assessment = self.test(task.p, &best.states, &task.rules, task.out);
-        self.guess = None;
-        let full = direct && !found;
+        self.restore(&mut task, &best);
+        let (assessment, full) = (best.assessment, direct && !found);
         Selection { states: best.states, tested: task.tested, full, consistent: assessment.valid(), assessment }
+    }
+
+    /// Solves a velocity-level step with every vertex as a point. Returns the states that the
+    /// solution indicates, or none if it is not accurate.
+    pub fn solve_points(&mut self, p: &Problem, out: &mut Solution) -> Option<States> {
+        let near = |s: usize, i: usize| p.soles[s].vertices[i].near;
+        self.points.begin(p, near, Some((out, p.step)));
+        self.points.advance(p, usize::MAX);
+        if self.points.residual() > LEAST_ACCURATE && self.points.solve(p, near) > LEAST_ACCURATE {
+            return None;
+        }
+        let states = self.points.states(p, 0.0);
+        out.normal.iter_mut().for_each(|normal| normal.fill(0.0));
+        out.tangent.iter_mut().for_each(|tangent| tangent.fill(Vector2::zeros()));
+        self.points.forces().for_each(|(s, i, force)| out.set_vertex_force(s, i, force));
+        out.gather_vertex_forces(p);
+        out.inside = [true; MAX_SOLES];
+        Some(states)
     }
 
     /// Searches near the previous states, then near those of the solved contact problem. Returns
     /// whether a valid state was found.
-    fn search_near(&mut self, task: &mut Task, start: &States, unchanged: bool) -> bool {
+    fn search_near(&mut self, task: &mut Task, starts: &[States], unchanged: bool) -> bool {
         let level = task.p.level;
         let tol = task.rules.tolerances;
         self.restart();
-        self.push(task, start);
-        self.explore(task, unchanged, false, NEAR);
+        for start in starts {
+            // Vertices of a fixed step slide on in their direction.
+            let slides = level == Level::Velocity && (0..task.p.soles.len()).any(|s| start[s].is_dynamic());
+            self.guess = slides.then(|| sliding_directions::slips_of_velocities(task.p, start));
+            self.push(task, start);
+            self.guess = None;
+            // Velocities are no solution: another guess may succeed.
+            self.queue.iter_mut().for_each(|e| e.guessed = false);
+            if unchanged && self.is_found() {
+                return true;
+            }
+        }
+        let near = if level == Level::Acceleration { NEAR } else { 0 };
+        self.explore(task, unchanged, false, near);
         if self.is_found() {
             return true;
         }
         self.propose(task, |v| if level == Level::Velocity { v.near } else { v.is_in_band(&tol) });
-        if self.is_found() || level == Level::Velocity {
+        if self.is_found() || self.accept_at_limit(task) || level == Level::Velocity {
             return self.is_found();
         }
         if task.slide_settling(true) {
@@ -234,12 +310,25 @@ impl Selector {
         }
         task.rules.hops = true;
         self.restart();
-        self.push(task, start);
+        self.push(task, &starts[starts.len() - 1]);
         self.propose(task, |v| v.is_in_band(&tol) && v.velocity.z <= tol.rest);
         if !self.is_found() {
             task.rules.hops = false;
         }
         self.is_found()
+    }
+
+    /// Allows more rounding in the best candidate. Returns whether it is valid then.
+    fn accept_at_limit(&mut self, task: &mut Task) -> bool {
+        let best = self.best();
+        self.restore(task, &best);
+        let rules = Rules { rounding: MOST_ROUNDING, ..task.rules };
+        // Its sliding directions are consistent if friction is what more rounding clears.
+        let assessment = judge(task.p, &best.states, task.out, best.slides, &rules);
+        if let Some(entry) = self.queue.iter_mut().find(|e| e.states == best.states).filter(|_| assessment.valid()) {
+            entry.assessment = assessment;
+        }
+        assessment.valid()
     }
 
     /// Searches all states, best-first from the previous ones.
@@ -275,33 +364,67 @@ impl Selector {
     }
 
     fn restart(&mut self) {
+        (self.in_place, self.kept) = (None, None);
         self.queue.clear();
         self.patterns.clear();
+    }
+
+    /// Removes a candidate that failed without a good first guess, so that it is tested again.
+    fn forget(&mut self, states: &States) {
+        let count = self.queue.len();
+        self.queue.retain(|e| e.states != *states || e.assessment.valid() || e.guessed);
+        if self.queue.len() < count && self.kept == Some(*states) {
+            self.kept = None;
+        }
     }
 
     fn is_found(&self) -> bool {
         self.queue.iter().any(|e| e.assessment.valid())
     }
 
-    /// Tests the states that the solution with every vertex as a point indicates, with the modes of
-    /// regularized friction if need be, and their neighbours.
+    /// Tests the states that the solution with every vertex as a point indicates, as soon as two
+    /// readings agree, then with the modes of regularized friction if need be, and their
+    /// neighbours.
     fn propose(&mut self, task: &mut Task, touches: impl Fn(&Vertex) -> bool) {
-        let residual = self.points.solve(task.p, |s, i| touches(&task.p.soles[s].vertices[i]));
-        for least in [CARRIES.max(10.0 * residual), 1e3 * CARRIES.max(residual)] {
-            let states = self.points.states(task.p, least);
-            if (0..task.p.soles.len()).all(|s| (task.allowed)(s, states[s])) {
-                self.guess = Some(sliding_directions::slips(task.p, &states, self.points.motion(task.p)));
-                // Without the first guess the candidate may have failed.
-                self.queue.retain(|e| e.states != states || e.assessment.valid() || e.guessed);
-                self.push(task, &states);
-                self.guess = None;
+        let start = (self.last_factor > 0.0).then_some((&self.last, self.last_factor));
+        self.points.begin(task.p, |s, i| touches(&task.p.soles[s].vertices[i]), start);
+        let mut last = None;
+        let mut early = 0;
+        while !self.points.is_done() && !self.is_found() {
+            self.points.advance(task.p, BETWEEN_READINGS);
+            let states = self.points.states(task.p, self.carries());
+            if early < EARLY && last == Some(states) && !self.queue.iter().any(|e| e.states == states && e.guessed) {
+                early += 1;
+                self.push_solution(task, &states);
             }
-            if !self.is_found() {
-                self.complete(task, &states);
+            last = Some(states);
+        }
+        if !self.is_found() {
+            for least in [self.carries(), 1e3 * CARRIES.max(self.points.residual())] {
+                let states = self.points.states(task.p, least);
+                self.push_solution(task, &states);
+                if !self.is_found() {
+                    self.complete(task, &states);
+                }
             }
         }
         if !self.queue.is_empty() {
             self.explore(task, false, false, task.tested + NEAR_SOLUTION);
+        }
+    }
+
+    /// Least share of the greatest force with which a vertex of the solved contact problem carries.
+    fn carries(&self) -> f64 {
+        CARRIES.max(10.0 * self.points.residual())
+    }
+
+    /// Tests states that the solved contact problem indicates, with its slips.
+    fn push_solution(&mut self, task: &mut Task, states: &States) {
+        if (0..task.p.soles.len()).all(|s| (task.allowed)(s, states[s])) {
+            self.guess = Some(sliding_directions::slips(task.p, states, self.points.motion(task.p)));
+            self.forget(states);
+            self.push(task, states);
+            self.guess = None;
         }
     }
 
@@ -325,10 +448,17 @@ impl Selector {
                 break;
             }
             let soles = task.p.soles.len();
+            let valid = entry.assessment.valid() && !completing;
             for s in 0..soles {
                 let faults = entry.assessment.faults[s];
                 let mut moves = Moves::default();
                 moves.suggest(task.p, s, entry.states[s], faults, entry.assessment.valid());
+                if valid && !moves.states().is_empty() {
+                    self.restore(task, &entry);
+                    self.screen.condense(&mut self.solver, task.p, &entry.states, s);
+                    let (screen, solver) = (&mut self.screen, &mut self.solver);
+                    moves.retain(|state| !screen.excludes(solver, task.p, state, &task.rules));
+                }
                 for &state in moves.states() {
                     if task.tested >= limit && !self.is_found() {
                         return;
@@ -377,19 +507,45 @@ impl Selector {
         }
         self.patterns.push(patterns);
         task.tested += 1;
+        self.in_place = None;
         let regularized = self.finder.regularized_modes(&mut self.solver, task.p, &patterns, task.out);
         let Some(regularized) = regularized else { return };
         // Only a trial distinguishes a slip that has just begun from viscous creep.
         for threshold in [10.0, 1e3, 1e6] {
             let states = regularized.modes(task.p, threshold);
             if (0..soles).all(|s| (task.allowed)(s, states[s])) {
-                // Candidates that failed without a good first guess are tried again.
-                self.queue.retain(|e| e.states != states || e.assessment.valid() || e.guessed);
+                self.forget(&states);
                 self.guess = Some(regularized.slips);
                 self.push(task, &states);
                 self.guess = None;
             }
         }
+    }
+
+    /// Leaves the sliding directions and the solution of a tested candidate in place.
+    fn restore(&mut self, task: &mut Task, entry: &Entry) {
+        if self.in_place == Some(entry.states) {
+            return;
+        }
+        if self.kept == Some(entry.states) {
+            let vertices = task.p.soles.iter_mut().flat_map(|sole| &mut sole.vertices);
+            vertices.zip(&self.kept_directions).for_each(|(v, d)| v.direction = *d);
+            task.out.copy_from(&self.kept_solution);
+            self.in_place = self.kept;
+            return;
+        }
+        self.guess = Some(entry.slips);
+        self.test(task.p, &entry.states, &task.rules, task.out);
+        self.guess = None;
+    }
+
+    /// Keeps directions and solution of the candidate just tested.
+    fn keep(&mut self, task: &Task, states: &States) {
+        let vertices = task.p.soles.iter().flat_map(|sole| &sole.vertices);
+        self.kept_directions.clear();
+        self.kept_directions.extend(vertices.map(|v| v.direction));
+        self.kept_solution.copy_from(task.out);
+        self.kept = Some(*states);
     }
 
     fn best(&self) -> Entry {
@@ -403,8 +559,18 @@ impl Selector {
         let assessment = self.test(task.p, states, &task.rules, task.out);
         task.tested += 1;
         let slips = sliding_directions::slips(task.p, states, &task.out.motion);
-        let guessed = self.guess.is_some();
-        self.queue.push(Entry { states: *states, assessment, slips, guessed, expanded: false });
+        let entry = Entry {
+            states: *states,
+            assessment,
+            slips,
+            slides: self.slides,
+            guessed: self.guess.is_some(),
+            expanded: false,
+        };
+        if self.queue.iter().all(|other| order(&entry, other).is_lt()) {
+            self.keep(task, states);
+        }
+        self.queue.push(entry);
     }
 
     /// Tests all states of all soles.

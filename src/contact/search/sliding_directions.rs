@@ -472,6 +472,26 @@ pub fn slips(p: &Problem, states: &States, motion: &[f64]) -> Slips {
     read_slips(p, states, &which[..count], &MEANS, motion, true)
 }
 
+/// Slips of the sliding soles with the present velocities of their vertices.
+pub fn slips_of_velocities(p: &Problem, states: &States) -> Slips {
+    let mut slips = [Vector3::zeros(); MAX_SOLES];
+    for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| states[*s].is_dynamic()) {
+        let k = sole.vertices.len();
+        let centre = slip_point(p, states, s, None).0;
+        let (mut mean, mut turn, mut spread, mut count) = (Vector2::zeros(), 0.0, 0.0, 0.0);
+        for v in sole.vertices.iter().enumerate().filter(|(i, _)| states[s].clamps(*i, k)).map(|(_, v)| v) {
+            let d = (v.r - centre).xy();
+            mean += v.velocity.xy();
+            turn += d.perp(&v.velocity.xy());
+            spread += d.norm_squared();
+            count += 1.0;
+        }
+        let turn = if spread > 0.0 { turn / spread * sole.radius } else { 0.0 };
+        slips[s] = Vector3::new(mean.x / count, mean.y / count, turn);
+    }
+    slips
+}
+
 /// Slips of the sole motions `motion` (6F). With `whole` false `motion` is a change of motion,
 /// without centripetal part.
 pub(super) fn read_slips(

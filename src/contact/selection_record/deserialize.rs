@@ -57,17 +57,13 @@ impl SelectionRecord {
     /// Names of unknown states.
     pub fn rules(&self) -> Result<Rules, SelectionRecordError> {
         let t = &self.tolerances;
-        let mut rules = Rules {
-            tolerances: Tolerances {
-                distance: t.distance_m,
-                velocity: t.velocity_m_per_s,
-                acceleration: t.acceleration_m_per_s2,
-                rest: t.rest_m_per_s,
-            },
-            previous: States::default(),
-            suspect: [0; MAX_SOLES],
-            hops: false,
+        let tolerances = Tolerances {
+            distance: t.distance_m,
+            velocity: t.velocity_m_per_s,
+            acceleration: t.acceleration_m_per_s2,
+            rest: t.rest_m_per_s,
         };
+        let mut rules = Rules::new(tolerances, States::default());
         for (s, sole) in self.soles.iter().enumerate().take(MAX_SOLES) {
             rules.previous[s] = sole.state(&sole.previous)?;
             rules.suspect[s] = if sole.suspect_normal { SUSPECT_NORMAL } else { 0 }

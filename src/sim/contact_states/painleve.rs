@@ -12,6 +12,11 @@ use crate::sim::run_error::RunError;
 /// Acceleration away from the floor, relative to the greatest, with which a vertex leaves it.
 const LEAVES: f64 = 1e-11;
 
+/// Slip, m/s, up to which a jam that the impact law does not resolve ends in rest, and the factor by
+/// which the rest speed exceeds it.
+const SLOW: f64 = 1e-2;
+const ABOVE: f64 = 1.01;
+
 impl RunState {
     /// Applies an impulse that ends sliding which no finite force can continue. Returns false if
     /// there is no such sliding. Needs a free evaluation at the plant's state, for which no valid
@@ -30,6 +35,19 @@ impl RunState {
             (self.plant.problem, self.plant.solution) = saved;
         }
         Ok(resolved)
+    }
+
+    /// Speed, m/s, up to which to set vertices to rest because the slip of one of them jams, but is
+    /// too slow for the impact law to resolve its end: the approach that stands for a vanishing one
+    /// is no longer small. Needs a free evaluation for which no valid state was found.
+    pub(in crate::sim) fn slow_jamming_slip(&mut self) -> Option<f64> {
+        if !self.locates_events() {
+            return None;
+        }
+        let load = self.least_sliding_load().filter(SlidingLoad::drives_into_floor)?;
+        let (s, i) = load.at;
+        let slip = self.plant.problem.soles[s].vertices[i].velocity.xy().norm();
+        (slip <= SLOW && slip > self.plant.rest).then_some(ABOVE * slip)
     }
 
     /// Applies the impulse of a jam, if there is one.

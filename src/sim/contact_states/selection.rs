@@ -58,6 +58,9 @@ impl RunState {
             if invalid && round < ROUNDS && self.resolve_jam(observer)? {
                 continue;
             }
+            if invalid && let Some(slip) = self.slow_jamming_slip() {
+                return self.choose_states_with_rest(slip, observer);
+            }
             if invalid {
                 // The run continues with the states of least violation.
                 let message = format!("no contact state is valid; least violations {:?}", selection.assessment.levels);
@@ -99,7 +102,7 @@ impl RunState {
 
     /// Rules of the selection.
     pub(in crate::sim) fn rules(&self) -> Rules {
-        Rules { tolerances: self.tolerances, previous: self.plant.states, suspect: self.suspect, hops: false }
+        Rules { suspect: self.suspect, ..Rules::new(self.tolerances, self.plant.states) }
     }
 
     /// Selects states at the acceleration level.

@@ -276,7 +276,7 @@ mod tests {
         p.step = 0.0;
         let mut out = Solution::new(&p);
         let previous = States::default();
-        let rules = Rules { tolerances: Tolerances::default(), previous, suspect: Default::default(), hops: false };
+        let rules = Rules::new(Tolerances::default(), previous);
         let input = SelectionInput { rules: &rules, event: true, allowed: &|_, _| true };
         Penalty::new(&p, PenaltyParameters::default()).impulse(&mut p, &input, &mut out);
         assert!(out.wrench.iter().all(|w| *w == 0.0) && out.motion == p.b);
