@@ -13,6 +13,7 @@ pub const EVENT_KINDS: &[&str] = &[
     "forced",
     "impact",
     "jam",
+    "sliding-mode",
     "inconsistent",
     "self-collision",
     "task",

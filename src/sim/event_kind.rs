@@ -19,6 +19,8 @@ pub enum EventKind {
     Impact,
     /// Sliding ended by an impulse (Painleve).
     Jam,
+    /// A sliding mode begins or ends: contact states alternate faster than steps resolve.
+    SlidingMode,
     /// No valid contact state exists.
     Inconsistent,
     /// A vertex enters another friction region.
@@ -50,6 +52,7 @@ impl EventKind {
             EventKind::State => "state",
             EventKind::Impact => "impact",
             EventKind::Jam => "jam",
+            EventKind::SlidingMode => "sliding-mode",
             EventKind::Inconsistent => "inconsistent",
             EventKind::Border => "border",
             EventKind::Forced => "forced",

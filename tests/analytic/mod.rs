@@ -24,6 +24,7 @@ mod patches;
 mod penalty;
 pub mod pendulum;
 pub mod planar;
+mod sliding_mode;
 mod slow_sliding;
 mod spin;
 mod stall;

@@ -25,6 +25,7 @@ pub fn metrics() -> Metrics {
         full_searches: 1,
         impacts: 8,
         jams: 9,
+        sliding_mode_s: 0.25,
         inconsistent: 11,
         final_base_position: [1.0 / 3.0, -2e-308, 1e300],
         final_base_rpy: [5e-324, -0.0, std::f64::consts::PI],

@@ -15,7 +15,8 @@ use stiction::sim::Outcome;
 /// The documented columns, copied from the description for users.
 const BEFORE: &str = "scenario, key, outcome, message, method, integrator, seed";
 const AFTER: &str = "duration_s, wall_s, cpu_s, real_time_factor, steps, rejected_steps, evaluations, events, \
-    state_changes, states_tested_mean, states_tested_max, full_searches, impacts, jams, inconsistent, final_base_x, final_base_y, \
+    state_changes, states_tested_mean, states_tested_max, full_searches, impacts, jams, sliding_mode_s, inconsistent, final_base_x, \
+    final_base_y, \
     final_base_z, final_base_roll, final_base_pitch, final_base_yaw, final_base_vx, final_base_vy, final_base_vz, \
     max_penetration_m, max_static_creep_m, max_lift_m, max_cone_excess, energy_error_J, error_position_rms_m, \
     error_joint_rms_rad, error_force_rms_N, contact_state_agreement, first_touchdown_s, first_liftoff_s, \
@@ -204,6 +205,7 @@ fn every_column_has_its_own_metric() {
         ("full_searches", Some(1.0)),
         ("impacts", Some(8.0)),
         ("jams", Some(9.0)),
+        ("sliding_mode_s", Some(0.25)),
         ("inconsistent", Some(11.0)),
         ("final_base_x", Some(1.0 / 3.0)),
         ("final_base_y", Some(-2e-308)),

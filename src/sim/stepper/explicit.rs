@@ -7,6 +7,7 @@
 
 use super::Discontinuity;
 use super::method_pair::MethodPair;
+use super::sliding_mode::SlidingMode;
 use super::step_size::StepSize;
 use crate::contact::hybrid::events::MAX_FUNCTIONS;
 use crate::contact::search::judge::CLEAR;
@@ -40,6 +41,7 @@ const MOST_CROSSINGS: usize = 8;
 pub struct ExplicitStepper {
     pair: MethodPair,
     size: StepSize,
+    sliding_mode: SlidingMode,
     /// Have the states been chosen at the start of the next step?
     fresh: bool,
     /// Size of the next step, s, if it must step over a jump of the forces at its start.
@@ -61,6 +63,7 @@ impl ExplicitStepper {
         ExplicitStepper {
             pair: MethodPair::new(method, n, &size),
             size,
+            sliding_mode: SlidingMode::new(n),
             fresh: true,
             hop: None,
             y: vec![0.0; n],
@@ -77,6 +80,7 @@ impl ExplicitStepper {
     pub fn restart(&mut self) {
         self.size.restart();
         self.pair.restart();
+        self.sliding_mode.reset();
     }
 
     /// Takes one step towards `until`, or to the first event before it. After a discontinuity the
@@ -88,6 +92,12 @@ impl ExplicitStepper {
         discontinuity: Discontinuity,
         observer: &mut dyn Observer,
     ) -> Result<(), RunError> {
+        if self.sliding_mode.is_active() {
+            if discontinuity != Discontinuity::Corner && until - sim.plant.state.time >= SlidingMode::SHORTEST {
+                return self.step_in_sliding_mode(sim, until, observer);
+            }
+            self.sliding_mode.leave(sim, observer)?;
+        }
         let t0 = sim.plant.state.time;
         let layout = sim.plant.layout;
         let remaining = until - t0;
@@ -189,7 +199,11 @@ impl ExplicitStepper {
         if event {
             sim.metrics.events += u64::from(sim.locates_events());
             self.functions.suspects(&self.right, &mut sim.suspect);
+            let impacts = sim.metrics.impacts;
             sim.choose_states_with_rest(stops, observer)?;
+            if sim.locates_events() {
+                self.sliding_mode.record(sim, sim.metrics.impacts > impacts, observer)?;
+            }
         } else {
             // Without an event the present states are the only candidate, which the event functions
             // have confirmed.
@@ -197,6 +211,22 @@ impl ExplicitStepper {
         }
         self.fresh = event;
         sim.measure_step();
+        Ok(())
+    }
+
+    /// Takes a step of a sliding mode, and ends the mode where it is due to end.
+    fn step_in_sliding_mode(
+        &mut self,
+        sim: &mut RunState,
+        until: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<(), RunError> {
+        if self.sliding_mode.step(sim, &self.size, until, observer)? {
+            self.sliding_mode.leave(sim, observer)?;
+            self.size.restart();
+            self.pair.restart();
+            self.fresh = true;
+        }
         Ok(())
     }
 

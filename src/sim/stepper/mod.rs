@@ -1,5 +1,5 @@
 //! Time stepping: explicit Runge-Kutta with event location, and semi-implicit Euler at the velocity
-//! level.
+//! level. Where contact states alternate faster than steps resolve, the first advances by the second.
 //!
 //! Imports plant, contact_states, measure and integrate. Called by
 //! [`Simulation::step`](super::Simulation::step).
@@ -7,6 +7,7 @@
 pub mod explicit;
 pub mod method_pair;
 pub mod semi_implicit;
+pub mod sliding_mode;
 pub mod step_size;
 
 pub use explicit::ExplicitStepper;

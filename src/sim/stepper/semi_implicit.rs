@@ -39,7 +39,7 @@ impl SemiImplicitStepper {
     pub fn begin(&mut self, sim: &mut RunState, observer: &mut dyn Observer) -> Result<(), RunError> {
         sim.plant.within = sim.plant.state.time + 0.5 * self.dt;
         self.solve_contact(sim, self.dt, observer)?;
-        self.displace(sim, self.dt);
+        displace(sim, self.dt);
         sim.plant.drive_reactions_over_step(&sim.displacement, self.dt);
         sim.plant.solution.scale(1.0 / self.dt);
         sim.plant.refresh();
@@ -59,28 +59,10 @@ impl SemiImplicitStepper {
         sim.plant.within = t + 0.5 * dt;
         let stored = sim.plant.stored().energy;
         self.solve_contact(sim, dt, observer)?;
-        self.displace(sim, dt);
-        let plant = &mut sim.plant;
-        plant.state.v.iter_mut().zip(&sim.displacement).for_each(|(v, dv)| *v += dv);
-        plant.share_forces();
-        if let Some(impulses) = &mut plant.impulses {
-            impulses.add(&plant.solution.wrench, 1.0);
-        }
-        let nb = plant.model.nb();
-        plant.drives.average_over_step(&sim.displacement[nb..], dt);
-        plant.drive_reactions_over_step(&sim.displacement, dt);
-        let (flows, jumps) = plant.step_flows(&sim.displacement, dt);
-        sim.energy.flows.add(&flows);
-        sim.energy.jump_work += jumps;
-        plant.drives.advance_lag(&plant.model, &sim.displacement[nb..], dt, &mut plant.state.actuators);
-        plant.solution.scale(1.0 / dt);
-        plant.state.v.iter().zip(&mut sim.displacement).for_each(|(v, d)| *d = v * dt);
-        plant.state.displace(&sim.displacement);
-        plant.state.time = if dt == remaining { until } else { self.instant(t) };
-        plant.apply_prescribed_positions();
-        plant.refresh();
+        let end = if dt == remaining { until } else { self.instant(t) };
+        apply_step(sim, dt, end);
         // Energy stored in the springs is not lost.
-        sim.energy.jump_work += plant.stored().energy - stored;
+        sim.energy.jump_work += sim.plant.stored().energy - stored;
         sim.metrics.steps += 1;
         check_finite(&sim.plant)?;
         if sim.plant.is_compliant() {
@@ -100,65 +82,96 @@ impl SemiImplicitStepper {
         of(self.full_steps)
     }
 
-    /// The change of velocity over the step: v+ - v = dt M^-1 (tau - h) + M^-1 J^T p, in
-    /// `sim.displacement`.
-    fn displace(&self, sim: &mut RunState, dt: f64) {
-        let plant = &mut sim.plant;
-        sim.displacement.iter_mut().zip(&plant.acceleration).for_each(|(d, a)| *d = dt * a);
-        reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &plant.solution.wrench, &mut sim.displacement);
-    }
-
     /// Sets up the contact problem of a step at the present state and solves it.
     fn solve_contact(&self, sim: &mut RunState, dt: f64, observer: &mut dyn Observer) -> Result<(), RunError> {
-        sim.plant.evaluate_implicit(dt);
-        if let Some(failure) = sim.plant.failure {
-            return Err(diverged(&sim.plant, &failure.to_string()));
-        }
+        evaluate_step(sim, dt)?;
         sim.update_friction(observer)?;
         sim.measure_energy();
-        self.set_velocity_problem(sim, dt);
+        set_velocity_problem(sim, dt);
         if sim.plant.is_compliant() { sim.compliant_impulse(observer) } else { sim.choose_impulse(observer) }
     }
+}
 
-    /// Turns the reduced problem into the velocity-level one of this step.
-    fn set_velocity_problem(&self, sim: &mut RunState, dt: f64) {
-        let plant = &mut sim.plant;
-        let scheme = plant.method.scheme();
-        let p = &mut plant.problem;
-        (p.level, p.step) = (Level::Velocity, dt);
-        for ((b, a), v) in p.b.iter_mut().zip(&plant.reduced.a0).zip(&plant.reduced.velocity) {
-            *b = v + dt * a;
+/// Evaluates a step of size `dt` from the present state.
+pub(super) fn evaluate_step(sim: &mut RunState, dt: f64) -> Result<(), RunError> {
+    sim.plant.evaluate_implicit(dt);
+    match &sim.plant.failure {
+        Some(failure) => Err(diverged(&sim.plant, &failure.to_string())),
+        None => Ok(()),
+    }
+}
+
+/// Moves the plant by the step of size `dt` whose contact impulses have been solved for, to the
+/// time `end`. The solution then contains forces.
+pub(super) fn apply_step(sim: &mut RunState, dt: f64, end: f64) {
+    displace(sim, dt);
+    let plant = &mut sim.plant;
+    plant.state.v.iter_mut().zip(&sim.displacement).for_each(|(v, dv)| *v += dv);
+    plant.share_forces();
+    if let Some(impulses) = &mut plant.impulses {
+        impulses.add(&plant.solution.wrench, 1.0);
+    }
+    let nb = plant.model.nb();
+    plant.drives.average_over_step(&sim.displacement[nb..], dt);
+    plant.drive_reactions_over_step(&sim.displacement, dt);
+    let (flows, jumps) = plant.step_flows(&sim.displacement, dt);
+    sim.energy.flows.add(&flows);
+    sim.energy.jump_work += jumps;
+    plant.drives.advance_lag(&plant.model, &sim.displacement[nb..], dt, &mut plant.state.actuators);
+    plant.solution.scale(1.0 / dt);
+    plant.state.v.iter().zip(&mut sim.displacement).for_each(|(v, d)| *d = v * dt);
+    plant.state.displace(&sim.displacement);
+    plant.state.time = end;
+    plant.apply_prescribed_positions();
+    plant.refresh();
+}
+
+/// The change of velocity over the step: v+ - v = dt M^-1 (tau - h) + M^-1 J^T p, in
+/// `sim.displacement`.
+fn displace(sim: &mut RunState, dt: f64) {
+    let plant = &mut sim.plant;
+    sim.displacement.iter_mut().zip(&plant.acceleration).for_each(|(d, a)| *d = dt * a);
+    reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &plant.solution.wrench, &mut sim.displacement);
+}
+
+/// Turns the reduced problem into the velocity-level one of this step.
+pub(super) fn set_velocity_problem(sim: &mut RunState, dt: f64) {
+    let plant = &mut sim.plant;
+    let scheme = plant.method.scheme();
+    let p = &mut plant.problem;
+    (p.level, p.step) = (Level::Velocity, dt);
+    for ((b, a), v) in p.b.iter_mut().zip(&plant.reduced.a0).zip(&plant.reduced.velocity) {
+        *b = v + dt * a;
+    }
+    for s in 0..p.soles.len() {
+        for v in &mut p.soles[s].vertices {
+            v.bias = Vector3::zeros();
         }
-        for s in 0..p.soles.len() {
-            for v in &mut p.soles[s].vertices {
-                v.bias = Vector3::zeros();
+        // A method that searches at the end of the step clamps only vertices that close their
+        // gap within it. One that decides from heights may clamp a vertex up to the distance
+        // tolerance above the floor, and stops it there.
+        let closes = matches!(scheme, Scheme::EventDriven | Scheme::TimeStepping);
+        let gap = fit_plane(&p.soles[s], |i| match scheme {
+            Scheme::EventDriven => p.soles[s].vertices[i].height.max(0.0),
+            Scheme::DecidedPerStep | Scheme::Compliant => 0.0,
+            // A vertex below the floor is pushed out.
+            Scheme::TimeStepping => p.soles[s].vertices[i].height,
+        });
+        p.soles[s].target = gap * (-1.0 / dt);
+        let fastest = p.soles[s].vertices.iter().map(|v| v.velocity.norm()).fold(0.0, f64::max);
+        for i in 0..p.soles[s].vertices.len() {
+            let free = p.vertex_motion(&p.b, s, i).z;
+            let v = &mut p.soles[s].vertices[i];
+            // Near: the step may bring the vertex to the floor, possibly because impulses on
+            // the other vertices turn the sole as fast as they approached.
+            v.near = v.height + dt * free.min(0.0) <= dt * fastest || v.height <= 0.0;
+            v.moving = false;
+            // The target now contains the gap. Vertices meet the floor at its height: with all
+            // points of a sole at one height, tilting has no tangential part.
+            if v.near && closes {
+                v.r.z -= v.height;
             }
-            // A method that searches at the end of the step clamps only vertices that close their
-            // gap within it. One that decides from heights may clamp a vertex up to the distance
-            // tolerance above the floor, and stops it there.
-            let closes = matches!(scheme, Scheme::EventDriven | Scheme::TimeStepping);
-            let gap = fit_plane(&p.soles[s], |i| match scheme {
-                Scheme::EventDriven => p.soles[s].vertices[i].height.max(0.0),
-                Scheme::DecidedPerStep | Scheme::Compliant => 0.0,
-                // A vertex below the floor is pushed out.
-                Scheme::TimeStepping => p.soles[s].vertices[i].height,
-            });
-            p.soles[s].target = gap * (-1.0 / dt);
-            let fastest = p.soles[s].vertices.iter().map(|v| v.velocity.norm()).fold(0.0, f64::max);
-            for i in 0..p.soles[s].vertices.len() {
-                let free = p.vertex_motion(&p.b, s, i).z;
-                let v = &mut p.soles[s].vertices[i];
-                // Near: the step may bring the vertex to the floor, possibly because impulses on
-                // the other vertices turn the sole as fast as they approached.
-                v.near = v.height + dt * free.min(0.0) <= dt * fastest || v.height <= 0.0;
-                v.moving = false;
-                // The target now contains the gap. Vertices meet the floor at its height: with all
-                // points of a sole at one height, tilting has no tangential part.
-                if v.near && closes {
-                    v.r.z -= v.height;
-                }
-                v.height = if v.near && closes { v.height.min(0.0) } else { v.height };
-            }
+            v.height = if v.near && closes { v.height.min(0.0) } else { v.height };
         }
     }
 }

@@ -1,0 +1,251 @@
+//! Sliding modes: contact states that alternate faster than steps resolve.
+//!
+//! Several states may each drive the motion out of themselves and into the next, so that none is
+//! valid for longer than some microseconds; the motion is then a sliding mode [Filippov 1988]. It
+//! is detected by [`EVENTS`] events in a row that take at most [`FAST`] each, return to the same
+//! few states, and include no impact. The run then advances by velocity-level steps
+//! ([`super::semi_implicit`], [Moreau 1988]), which need no state that is valid at every instant:
+//! the contact laws hold for the velocities at the end of a step and the impulses over it.
+//!
+//! With `y1` the result of one step of size h and `y2` that of two steps of half the size,
+//!
+//! ```text
+//! y = 2 y2 - y1         e = y2 - y1
+//! ```
+//!
+//! A velocity-level step is of order 1, so y is of order 2. With a local error of e = O(h^2), that of
+//! y is O(h^3), in units of the motion some |e|^(3/2). The size is chosen so that this meets the
+//! tolerances of the integrator. The energy flows are extrapolated likewise. Then the drift of
+//! clamped vertices is removed, as after every step.
+//!
+//! After some time in the mode the states are chosen again and located events resume. If the states
+//! still alternate, the mode returns after fewer events, and stays for twice as long.
+
+use super::semi_implicit::{apply_step, evaluate_step, set_velocity_problem};
+use super::step_size::StepSize;
+use crate::contact::model::state::States;
+use crate::integrate::StepControl;
+use crate::sim::event_kind::EventKind;
+use crate::sim::report::Observer;
+use crate::sim::run::RunState;
+use crate::sim::run_error::RunError;
+use crate::sim::termination::check_finite;
+use nalgebra::Vector2;
+
+/// Events by which the states must alternate, and after the mode was left for a trial.
+const EVENTS: usize = 16;
+const EVENTS_AGAIN: usize = 6;
+/// Time between two such events, on average, s.
+const FAST: f64 = 1e-5;
+/// First and longest time in the mode before a trial, s.
+const FIRST_STAY: f64 = 5e-4;
+const LONGEST_STAY: f64 = 2e-2;
+/// Size of the first velocity-level step, s.
+const FIRST_STEP: f64 = 2e-5;
+/// Size of fixed-step integrators' velocity-level steps, relative to their step.
+const OF_FIXED: f64 = 0.1;
+
+/// Detector and integrator of sliding modes of one run.
+pub struct SlidingMode {
+    /// The last events: time and states chosen.
+    recent: [(f64, States); EVENTS],
+    count: usize,
+    is_active: bool,
+    /// Start of the present mode, s, and instant of the next trial.
+    since: f64,
+    trial: f64,
+    /// Time in the mode before a trial, s, and instant at which the last trial counts as passed.
+    stay: f64,
+    passed: f64,
+    /// Size of the next step, s.
+    h: f64,
+    /// The integrator's vector at the start of a step, after one step, and after two halves.
+    start: Vec<f64>,
+    whole: Vec<f64>,
+    halves: Vec<f64>,
+    /// Sliding directions at the start of a step.
+    directions: Vec<Vec<Vector2<f64>>>,
+    /// Impulses of the first half, 6F.
+    impulse: Vec<f64>,
+}
+
+impl SlidingMode {
+    /// Shortest step, s: an impact within a step has an error at any size.
+    pub const SHORTEST: f64 = 1e-6;
+
+    /// For vectors of length `n`.
+    pub fn new(n: usize) -> Self {
+        SlidingMode {
+            recent: [(f64::NEG_INFINITY, States::default()); EVENTS],
+            count: 0,
+            is_active: false,
+            since: 0.0,
+            trial: 0.0,
+            stay: FIRST_STAY,
+            passed: f64::NEG_INFINITY,
+            h: FIRST_STEP,
+            start: vec![0.0; n],
+            whole: vec![0.0; n],
+            halves: vec![0.0; n],
+            directions: Vec::new(),
+            impulse: Vec::new(),
+        }
+    }
+
+    /// Whether the run is in a sliding mode.
+    pub fn is_active(&self) -> bool {
+        self.is_active
+    }
+
+    /// Forgets events and mode, after a jump of the equations.
+    pub fn reset(&mut self) {
+        self.count = 0;
+        self.is_active = false;
+    }
+
+    /// Records the states chosen at an event; `impacts` have occurred at it. Begins a mode if the
+    /// states alternate.
+    pub fn record(&mut self, sim: &mut RunState, impacts: bool, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let t = sim.plant.state.time;
+        self.recent.rotate_right(1);
+        self.recent[0] = (t, sim.plant.states);
+        self.count = if impacts { 0 } else { self.count + 1 };
+        let needed = if t < self.passed { EVENTS_AGAIN } else { EVENTS };
+        if self.count < needed || t - self.recent[needed - 1].0 > FAST * needed as f64 {
+            return Ok(());
+        }
+        let recent = &self.recent[..needed];
+        let distinct = (0..needed).filter(|&i| recent[..i].iter().all(|(_, states)| *states != recent[i].1)).count();
+        if 2 * distinct > needed {
+            return Ok(());
+        }
+        self.stay = if t < self.passed { (2.0 * self.stay).min(LONGEST_STAY) } else { FIRST_STAY };
+        (self.is_active, self.since, self.trial, self.h) = (true, t, t + self.stay, FIRST_STEP);
+        let span = t - recent[needed - 1].0;
+        let message = format!("begins: {needed} events between {distinct} states within {span:.3e} s");
+        sim.event(observer, EventKind::SlidingMode, "", &message)
+    }
+
+    /// Ends the mode: chooses states for located events.
+    pub fn leave(&mut self, sim: &mut RunState, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let t = sim.plant.state.time;
+        self.reset();
+        self.passed = t + self.stay;
+        let message = format!("ends after {:.6e} s", t - self.since);
+        sim.event(observer, EventKind::SlidingMode, "", &message)?;
+        sim.choose_states(observer)
+    }
+
+    /// Takes one step of the mode towards `until`, with the tolerances of `size`. Returns whether
+    /// the mode is due to end.
+    pub fn step(
+        &mut self,
+        sim: &mut RunState,
+        size: &StepSize,
+        until: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<bool, RunError> {
+        let t0 = sim.plant.state.time;
+        sim.emit_due_snapshots(t0, observer)?;
+        if let Some(sampler) = &mut sim.sampler {
+            sampler.begin_step(&sim.plant.state);
+        }
+        let logged = sim.log.next().filter(|&t| t >= t0 + Self::SHORTEST);
+        let end = logged.map_or(until, |t| t.min(until));
+        let remaining = end - t0;
+        let layout = sim.plant.layout;
+        let states = sim.plant.states;
+        let jumps = sim.energy.jump_work;
+        let impulses = sim.plant.impulses.take();
+        layout.pack(&sim.plant.state, &sim.energy.flows, &mut self.start);
+        self.directions.clone_from(&sim.plant.directions);
+        let mut control = StepControl::new(2);
+        let mut h = match *size {
+            StepSize::Controlled { max_step, .. } => self.h.min(max_step),
+            StepSize::Fixed(step) => OF_FIXED * step,
+        };
+        let jump = loop {
+            // Leaves no sliver before the end.
+            h = if remaining - h < 0.01 * h { remaining } else { h };
+            self.advance(sim, h, t0 + h, observer)?;
+            layout.pack(&sim.plant.state, &sim.energy.flows, &mut self.whole);
+            let jump_of_whole = sim.energy.jump_work - jumps;
+            self.restore(sim, t0, jumps, &states);
+            self.advance(sim, 0.5 * h, t0 + 0.5 * h, observer)?;
+            self.impulse.clear();
+            self.impulse.extend(sim.plant.solution.wrench.iter().map(|w| w * 0.5 * h));
+            self.advance(sim, 0.5 * h, t0 + h, observer)?;
+            layout.pack(&sim.plant.state, &sim.energy.flows, &mut self.halves);
+            let jump_of_halves = sim.energy.jump_work - jumps;
+            let factor = match *size {
+                StepSize::Controlled { relative, absolute, .. } => {
+                    control.factor(self.error(relative, absolute, layout.controlled()))
+                }
+                StepSize::Fixed(_) => 1.0,
+            };
+            if factor >= 1.0 || h <= Self::SHORTEST {
+                if h < remaining || factor < 1.0 {
+                    self.h = (h * factor).max(Self::SHORTEST);
+                }
+                break 2.0 * jump_of_halves - jump_of_whole;
+            }
+            sim.metrics.rejected_steps += 1;
+            self.restore(sim, t0, jumps, &states);
+            h = (h * factor).max(Self::SHORTEST);
+        };
+        sim.energy.jump_work = jumps + jump;
+        self.halves.iter_mut().zip(&self.whole).for_each(|(y, whole)| *y = 2.0 * *y - whole);
+        let t1 = if h == remaining { end } else { t0 + h };
+        sim.plant.unpack(t1, &self.halves);
+        sim.energy.flows = layout.flows(&self.halves);
+        sim.plant.apply_prescribed_positions();
+        check_finite(&sim.plant)?;
+        sim.plant.evaluate_free();
+        sim.anchor_changed(&states);
+        sim.project_drift();
+        sim.plant.refresh();
+        sim.plant.impulses = impulses;
+        if let Some(impulses) = &mut sim.plant.impulses {
+            // Two halves of equal length: the mean of their forces over the step.
+            impulses.add(&self.impulse, 1.0);
+            impulses.add(&sim.plant.solution.wrench, 0.5 * h);
+        }
+        sim.metrics.steps += 1;
+        sim.metrics.sliding_mode_s += t1 - t0;
+        sim.measure_energy();
+        sim.measure_step();
+        sim.sampler.as_mut().map_or(Ok(()), |sampler| sampler.sample_step(&sim.plant, observer))?;
+        Ok(t1 >= self.trial)
+    }
+
+    /// One velocity-level step of size `h` to the time `end`, with its contact states and without
+    /// events.
+    fn advance(&self, sim: &mut RunState, h: f64, end: f64, observer: &mut dyn Observer) -> Result<(), RunError> {
+        sim.plant.within = end - 0.5 * h;
+        evaluate_step(sim, h)?;
+        set_velocity_problem(sim, h);
+        sim.choose_unreported_impulse(observer)?;
+        apply_step(sim, h, end);
+        Ok(())
+    }
+
+    /// Returns the run to the start of the step.
+    fn restore(&self, sim: &mut RunState, t0: f64, jumps: f64, states: &States) {
+        sim.plant.unpack(t0, &self.start);
+        sim.energy.flows = sim.plant.layout.flows(&self.start);
+        sim.energy.jump_work = jumps;
+        sim.plant.states = *states;
+        sim.plant.directions.clone_from(&self.directions);
+    }
+
+    /// Greatest difference of the results of one step and of two halves, relative to the tolerances
+    /// to the power of 2/3.
+    fn error(&self, relative: f64, absolute: f64, controlled: usize) -> f64 {
+        let [relative, absolute] = [relative, absolute].map(|tolerance| tolerance.cbrt() * tolerance.cbrt());
+        let pairs = self.whole[..controlled].iter().zip(&self.halves).zip(&self.start);
+        pairs.fold(0.0, |worst: f64, ((whole, halves), start)| {
+            let ratio = (halves - whole).abs() / (absolute + relative * start.abs().max(halves.abs()));
+            if ratio.is_finite() { worst.max(ratio) } else { f64::INFINITY }
+        })
+    }
+}
