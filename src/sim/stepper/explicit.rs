@@ -27,6 +27,9 @@ const MAX_HOP: f64 = 1e-9;
 const BEYOND: &[f64] = &[1e-4, 1e-7, 0.0];
 /// The same for Rosenbrock steps, whose dense output is of lower order.
 const STIFF_BEYOND: &[f64] = &[1e-2, 1e-4, 1e-7, 0.0];
+/// How long before an event the directions of vertices that come to rest are read, relative to the
+/// step.
+const BEFORE: f64 = 1e-3;
 /// Smallest step relative to the time scale of the run, s.
 const SMALLEST: f64 = 1e-13;
 
@@ -245,12 +248,19 @@ impl ExplicitStepper {
     /// The dense output is of lower order than the step itself (4 and 5, 3 and 4) or another
     /// solution of the same order, so a step to an event located on it misses the event. A second
     /// step that ends just beyond the event, where its dense output is as accurate as its end,
-    /// removes the difference.
+    /// removes the difference. Vertices that come to rest there have turned since the start of the
+    /// step, so the second step takes their directions just before the event as references.
     fn locate(&mut self, sim: &mut RunState, t0: f64, full: f64) -> f64 {
         let mut h = full;
         let mut near = false;
         for &beyond in if self.pair.is_stiff() { STIFF_BEYOND } else { BEYOND } {
             let event = h * self.crossing(sim, t0, h);
+            if h == full {
+                self.pair.interpolate((1.0 - BEFORE) * event / h, &mut self.dense);
+                sim.plant.unpack(t0 + (1.0 - BEFORE) * event, &self.dense);
+                sim.plant.refresh();
+                sim.plant.update_reference_directions();
+            }
             let next = (event * (1.0 + beyond)).min(full);
             if next == h {
                 break;
