@@ -2,8 +2,8 @@
 //!
 //! A small [`System`] trait, explicit Runge-Kutta methods with dense output ([`RungeKutta`]; one
 //! [`Tableau`] per method: `dopri5`, `bs23`, `rk4`), a Rosenbrock method for a stiff part of low
-//! rank ([`Rosenbrock`]), step-size control ([`StepControl`]) and event location on dense output
-//! ([`event_location`]). A new explicit method is one file with a tableau.
+//! rank ([`Rosenbrock`]), step-size control ([`StepControl`], [`error_norm`]) and event location on dense
+//! output ([`event_location`]). A new explicit method is one file with a tableau.
 //!
 //! `sim` steps with it, `assemble` chooses the tableau.
 //!
@@ -11,6 +11,7 @@
 
 pub mod bs23;
 pub mod dopri5;
+pub mod error_norm;
 pub mod event_location;
 pub mod rk4;
 pub mod rosenbrock;
@@ -19,6 +20,7 @@ pub mod step_control;
 
 pub use bs23::BS23;
 pub use dopri5::DOPRI5;
+pub use error_norm::error_norm;
 pub use rk4::RK4;
 pub use rosenbrock::{Rosenbrock, StiffPart};
 pub use runge_kutta::{RungeKutta, Tableau};

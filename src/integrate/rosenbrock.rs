@@ -11,8 +11,9 @@
 //! weights are those of PETSc's TSROSWRA34PW2; unlike a Hermite interpolant it does not use
 //! derivatives at the end of the step, in which stiffness amplifies errors.
 
-use super::System;
+use super::{System, error_norm};
 use nalgebra::DMatrix;
+use std::ops::Range;
 
 /// Greatest rank of the stiff part.
 pub const MAX_RANK: usize = 32;
@@ -153,19 +154,12 @@ impl Rosenbrock {
         system.derivative(t + h, &self.end, &mut self.slope);
     }
 
-    /// Largest component of the error estimate of the last attempt over
-    /// `absolute + relative * max(|y|, |y1|)`, over the first `controlled` components; infinite
-    /// where it is not a number.
-    pub fn error(&self, relative: f64, absolute: f64, controlled: usize) -> f64 {
-        let mut worst: f64 = 0.0;
-        for i in 0..controlled {
-            let e: f64 = (0..STAGES).map(|s| (B[s] - EMBEDDED[s]) * self.k[s][i]).sum();
-            if !e.is_finite() {
-                return f64::INFINITY;
-            }
-            worst = worst.max(e.abs() / (absolute + relative * self.start[i].abs().max(self.end[i].abs())));
-        }
-        worst
+    /// Norm ([`error_norm`]) of the error estimate of the last attempt over groups of components,
+    /// with relative and absolute tolerance.
+    pub fn error(&self, tolerances: (f64, f64), groups: impl Iterator<Item = Range<usize>>) -> f64 {
+        error_norm(groups, tolerances, [&self.start, &self.end], |i| {
+            (0..STAGES).map(|s| (B[s] - EMBEDDED[s]) * self.k[s][i]).sum()
+        })
     }
 
     /// Dense output at `t + theta h` of the last attempt.
@@ -324,7 +318,7 @@ mod tests {
             let mut method = Rosenbrock::new(2);
             begin(&mut method, &mut Smooth, 0.0, &[0.2, 0.5]);
             method.attempt(&mut Smooth, 0.0, h);
-            method.error(0.0, 1.0, 2)
+            method.error((0.0, 1.0), [0..1, 1..2].into_iter())
         };
         let order = (estimate(0.02) / estimate(0.01)).log2();
         assert!((order - 3.0).abs() < 0.2, "{order}");

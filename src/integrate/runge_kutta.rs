@@ -9,7 +9,8 @@
 //! step, "first same as last". A projection changes the state between steps, so the stage is
 //! evaluated again.)
 
-use super::System;
+use super::{System, error_norm};
+use std::ops::Range;
 
 /// Coefficients of a method; the file of each cites its source.
 #[derive(Debug, PartialEq)]
@@ -95,20 +96,12 @@ impl RungeKutta {
         }
     }
 
-    /// Greatest ratio of the error estimate of the last attempt to
-    /// `absolute + relative * max(|y|, |y1|)` among the first `controlled` components; infinite if
-    /// not finite, zero for a method without an estimate.
-    pub fn error(&self, relative: f64, absolute: f64, controlled: usize) -> f64 {
-        let mut worst: f64 = 0.0;
-        for i in 0..controlled {
-            let e: f64 = self.tableau.error.iter().zip(&self.k).map(|(e, k)| e * k[i]).sum();
-            let scale = absolute + relative * self.start[i].abs().max(self.end[i].abs());
-            worst = worst.max((self.h * e).abs() / scale);
-            if !e.is_finite() {
-                return f64::INFINITY;
-            }
-        }
-        worst
+    /// Norm ([`error_norm`]) of the error estimate of the last attempt over groups of components,
+    /// with relative and absolute tolerance; zero for a method without an estimate.
+    pub fn error(&self, tolerances: (f64, f64), groups: impl Iterator<Item = Range<usize>>) -> f64 {
+        error_norm(groups, tolerances, [&self.start, &self.end], |i| {
+            self.h * self.tableau.error.iter().zip(&self.k).map(|(e, k)| e * k[i]).sum::<f64>()
+        })
     }
 
     /// Dense output at `t + theta h` of the last attempt.
@@ -169,7 +162,7 @@ mod tests {
             }
             rk.begin(&mut Oscillator, t, &y);
             rk.attempt(&mut Oscillator, t, h);
-            estimate = estimate.max(rk.error(0.0, 1.0, 2));
+            estimate = estimate.max(rk.error((0.0, 1.0), [0..1, 1..2].into_iter()));
             y.copy_from_slice(&rk.end);
         }
         [apart(&y, 2.0), within, estimate]

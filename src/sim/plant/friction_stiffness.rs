@@ -73,15 +73,16 @@ impl Plant {
             let step = SPAN * t.norm().max(1e-3 * slow);
             let turn = |d: Vector2<f64>| u.perp(&direction(&(t + d), &reference, slow));
             let slope = |d: Vector2<f64>| (turn(d * step) - turn(-d * step)) / (2.0 * step);
-            let gradient = Vector3::new(slope(Vector2::x()), slope(Vector2::y()), 0.0);
-            let gradient = self.floor.rotation * gradient;
+            // Truncation must not depend on the world's axes.
+            let across = Vector2::new(-u.y, u.x);
+            let gradient = u * slope(u) + across * slope(across);
+            let gradient = self.floor.rotation * Vector3::new(gradient.x, gradient.y, 0.0);
             let point = self.reduced.reference[s] + self.floor.rotation * v.r;
             let row = &mut out.rows[r];
             row.fill(0.0);
             for &k in self.ws.support(self.model.soles[s].link) {
                 row[velocities.start + k] = gradient.dot(&jacobian::column(&self.ws, k, &point).linear);
             }
-            let across = Vector2::new(-u.y, u.x);
             self.respond_with(s, i, u + across * TURN);
             let column = &mut out.columns[r];
             column.fill(0.0);

@@ -6,6 +6,7 @@
 //! u = d                                   for |t| >= v_d
 //! u = ((1 - s) r + s d) / |...|           for |t| < v_d,   s = x^2 (3 - 2 x),  x = |t| / v_d
 //! v_d = max(1e-7 m/s, sum over the speeds that move the sole of (absolute + relative |v_j|))
+//! (of the base: over x and y together and z of its velocity and angular velocity)
 //! ```
 //!
 //! with t the tangential velocity of the vertex and the tolerances of the integrator
@@ -14,6 +15,7 @@
 
 use super::Plant;
 use nalgebra::Vector2;
+use std::ops::Range;
 
 /// Speed below which a sliding vertex keeps its reference direction, m/s. Rounding (1e-16 m/s)
 /// turns the direction of a slower vertex by more than 1e-9 rad, while friction passes through such
@@ -59,8 +61,12 @@ impl Plant {
     /// metre). Below that the direction would be that of the error.
     pub fn direction_speed(&self, sole: usize) -> f64 {
         let (absolute, relative) = self.step_error;
-        let moving = self.ws.support(self.model.soles[sole].link);
-        DIRECTION_SPEED.max(moving.iter().map(|&i| absolute + relative * self.state.v[i].abs()).sum())
+        let error = |speed: f64| absolute + relative * speed;
+        let moving = self.ws.support(self.model.soles[sole].link).iter().filter(|&&i| i >= self.model.nb());
+        let joints: f64 = moving.map(|&i| error(self.state.v[i].abs())).sum();
+        let norm = |group: Range<usize>| self.state.v[group].iter().map(|v| v * v).sum::<f64>().sqrt();
+        let base: f64 = self.layout.base_velocity_groups().map(|group| error(norm(group))).sum();
+        DIRECTION_SPEED.max(base + joints)
     }
 
     /// Makes the present sliding directions the references of the step that begins. A direction

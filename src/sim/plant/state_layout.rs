@@ -3,6 +3,12 @@
 //!
 //! The quaternion is integrated as four numbers, `q' = 1/2 (omega, 0) q`, and normalised after
 //! every step. The energy flows ([`EnergyFlows`]) are not under error control.
+//!
+//! Error control must not depend on where the world's x and y point. It therefore takes components
+//! that a turn about the vertical mixes as one ([`crate::integrate::error_norm`]): x and y of
+//! position, velocity and angular velocity, and the pairs (i, j) and (k, w) of the quaternion, as a
+//! turn by a is the product with (0, 0, sin a/2, cos a/2). Their norms are the sine and cosine of
+//! half the tilt from the vertical.
 
 use super::energy_flows::{EnergyFlows, FLOWS};
 use crate::dynamics::State;
@@ -34,6 +40,22 @@ impl StateLayout {
     /// Number of leading entries under error control.
     pub fn controlled(&self) -> usize {
         self.size() - FLOWS
+    }
+
+    /// Groups of entries whose norms do not change when the world is turned about the vertical;
+    /// together all entries under error control.
+    pub fn error_groups(&self) -> impl Iterator<Item = Range<usize>> {
+        let velocities = self.velocities().start;
+        let pose = [0..2, 2..3, 3..5, 5..7].into_iter();
+        let base = self.base_velocity_groups().map(move |g| velocities + g.start..velocities + g.end);
+        let single = |i: usize| i..i + 1;
+        let rest = (velocities + self.nb..self.controlled()).map(single);
+        pose.chain((7..velocities).map(single)).chain(base).chain(rest)
+    }
+
+    /// The same groups of the base's velocities, as degrees of freedom; none if it is fixed.
+    pub fn base_velocity_groups(&self) -> impl Iterator<Item = Range<usize>> {
+        [0..2, 2..3, 3..5, 5..6].into_iter().filter(|g| g.end <= self.nb)
     }
 
     /// Reads the energy flows.

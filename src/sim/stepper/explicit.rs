@@ -134,7 +134,7 @@ impl ExplicitStepper {
             if hop.is_some() {
                 break;
             }
-            let Some(factor) = self.pair.shorten(&mut self.size, layout.controlled(), h, remaining) else { break };
+            let Some(factor) = self.pair.shorten(&mut self.size, &layout, h, remaining) else { break };
             sim.metrics.rejected_steps += 1;
             h *= factor;
             if !(h > SMALLEST * (1.0 + t0)) {

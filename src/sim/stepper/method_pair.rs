@@ -8,6 +8,7 @@
 use super::step_size::StepSize;
 use crate::integrate::{Rosenbrock, RungeKutta, StepControl, Tableau};
 use crate::sim::plant::Plant;
+use crate::sim::plant::state_layout::StateLayout;
 
 /// Product of step and eigenvalue up to which explicit steps are stable (`dopri5`: 3.3).
 const STABLE: f64 = 3.0;
@@ -106,18 +107,18 @@ impl MethodPair {
     }
 
     /// None if the error of the attempted step is acceptable; else the factor to shorten it by.
-    pub fn shorten(&mut self, size: &mut StepSize, controlled: usize, h: f64, remaining: f64) -> Option<f64> {
+    pub fn shorten(&mut self, size: &mut StepSize, layout: &StateLayout, h: f64, remaining: f64) -> Option<f64> {
         let (explicit, stiff) = (&self.explicit, &self.stiff);
         match &mut self.stiff_size {
             Some(size) if self.is_stiff => {
-                let factor = size.shorten(|rel, abs| stiff.error(rel, abs, controlled), h, remaining);
+                let factor = size.shorten(|tolerances| stiff.error(tolerances, layout.error_groups()), h, remaining);
                 if std::mem::take(&mut self.resumes) {
                     self.waited = 0;
                     self.wait = if factor.is_some() { (2 * self.wait).min(MOST_WAITING) } else { 1 };
                 }
                 factor
             }
-            _ => size.shorten(|rel, abs| explicit.error(rel, abs, controlled), h, remaining),
+            _ => size.shorten(|tolerances| explicit.error(tolerances, layout.error_groups()), h, remaining),
         }
     }
 

@@ -34,10 +34,10 @@ impl StepSize {
     }
 
     /// None if the error of the attempted step of size `h` is acceptable; else the factor to
-    /// shorten it by. `error` has the arguments relative and absolute tolerance.
-    pub fn shorten(&mut self, error: impl Fn(f64, f64) -> f64, h: f64, remaining: f64) -> Option<f64> {
+    /// shorten it by. `error` has the relative and the absolute tolerance as argument.
+    pub fn shorten(&mut self, error: impl Fn((f64, f64)) -> f64, h: f64, remaining: f64) -> Option<f64> {
         let StepSize::Controlled { control, relative, absolute, h: next, .. } = self else { return None };
-        let error = error(*relative, *absolute);
+        let error = error((*relative, *absolute));
         let factor = control.factor(error);
         if error <= 1.0 {
             if h < remaining || factor < 1.0 {
