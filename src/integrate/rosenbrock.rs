@@ -6,8 +6,10 @@
 //! ```
 //!
 //! The method is ROS34PW2 of [Rang 2005]: four stages, order 3 with an embedded solution of order
-//! 2, L-stable. Being a W-method it has order 3 with any matrix A; A only has to contain what makes
-//! explicit steps unstable. The dense output has order 2, and 3 where A is the Jacobian. Its
+//! 2, L-stable. Being a W-method it has order 3 with any matrix A, which for stability has to contain
+//! what makes explicit steps unstable. Where that part of f is far from linear, the stages must not
+//! leave the slow solution either: the rows must then have the whole change of what they measure
+//! along the solution, so that `v_r^T f` is as small as that change. The dense output has order 2, and 3 where A is the Jacobian. Its
 //! weights are those of PETSc's TSROSWRA34PW2; unlike a Hermite interpolant it does not use
 //! derivatives at the end of the step, in which stiffness amplifies errors.
 
@@ -310,6 +312,39 @@ mod tests {
         let y = run(&mut Prothero(rate), &[0.0], 50, &[rate], &[1.0]).0;
         // The stiff part dominates: error far below that of h^3 = 8e-6.
         assert!((y[0] - 1f64.sin()).abs() < 1e-6, "{}", y[0] - 1f64.sin());
+    }
+
+    /// A stiff attraction to y1 = sin y0, along a motion of y0; not linear at distances above
+    /// `width`.
+    struct Groove {
+        rate: f64,
+        width: f64,
+    }
+    impl System for Groove {
+        fn derivative(&mut self, _: f64, y: &[f64], dy: &mut [f64]) {
+            dy[0] = 1.0;
+            let z = y[1] - y[0].sin();
+            dy[1] = self.rate * (z + z.powi(3) / self.width.powi(2)) + y[0].cos();
+        }
+    }
+
+    #[test]
+    fn rows_with_the_whole_change_along_the_solution_keep_stages_near_it() {
+        let (rate, start) = (-1e6, 0.3f64);
+        let distance = |row: [f64; 2]| {
+            let mut system = Groove { rate, width: 1e-3 };
+            let mut method = Rosenbrock::new(2);
+            method.stiff.columns[0].copy_from_slice(&[0.0, rate]);
+            method.stiff.rows[0].copy_from_slice(&row);
+            method.stiff.rank = 1;
+            begin(&mut method, &mut system, 0.0, &[start, start.sin()]);
+            method.attempt(&mut system, 0.0, 0.01);
+            (method.end[1] - method.end[0].sin()).abs()
+        };
+        // Curvature moves the stages off the solution by less than h^2 = 1e-4, a tenth of the width;
+        // without y0 in the row they move by h, ten widths.
+        let (whole, part) = (distance([-start.cos(), 1.0]), distance([0.0, 1.0]));
+        assert!(whole < 1e-8 && part > 1.0, "{whole} {part}");
     }
 
     #[test]

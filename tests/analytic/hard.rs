@@ -232,6 +232,26 @@ fn a_point_whose_direction_is_stiff_comes_to_rest_in_few_steps() {
     }
 }
 
+/// CB-i lands tilted, and vertices begin to slide slowly. The direction of a slow slip depends on
+/// the configuration as well as on velocities; with steps implicit in velocities alone the run takes
+/// 3900 steps and is off by 8e-7 m.
+#[test]
+fn slow_slips_of_a_tilted_landing_take_few_steps() {
+    let (m, _) = watch(
+        "duration = 0.6
+        robot = { model = \"robots/cbi/cbi.toml\", base = { rpy = [0.28, -0.28, 0], linear_velocity = [0, 0, -0.9905] } }
+        floor = { friction = 0.8 }
+        contact = { velocity_tolerance = 0.02 }
+        control = { rate = 500 }\n",
+    );
+    assert_eq!(m.inconsistent, 0);
+    assert!(m.steps < 2_500, "{m:?}");
+    // A run with a relative tolerance of 1e-9 ends here. The tolerance of 1e-6 on metres.
+    let truth = [-0.32433340, -0.33305300, 0.52312099];
+    let off = (0..3).map(|i| (m.final_base_position[i] - truth[i]).abs()).fold(0.0, f64::max);
+    assert!(off < 3e-7, "{off:e}");
+}
+
 /// HOAP-2 lands on a corner with contact tolerances so loose that impacts are skipped, and with
 /// contact decided per step. If no state is found, or every step selects again, the run must still
 /// make progress. (Not with every step size: `docs/contact.md`, section 18.)

@@ -1,16 +1,28 @@
 //! Stiffness of friction at slow sliding vertices, as the stiff part of a Rosenbrock step.
 //!
 //! Friction `-mu_k N u` of a vertex turns with its direction u, which depends on its tangential
-//! velocity t. With theta the angle of u, the acceleration q'' of the robot depends on velocities
-//! q' through
+//! velocity `t = J(x) q'`, x the configuration. With theta the angle of u, the acceleration q'' of
+//! the robot depends on the state (x, q') through
 //!
 //! ```text
-//! A = sum_i (dq''/dtheta_i) (dtheta_i/dt_i . J_i)          |dtheta/dt| = 1 / |t|  for |t| >= v_d
+//! A = sum_i (dq''/dtheta_i) (dtheta_i/dt_i . [dt_i/dx, J_i])       |dtheta/dt| = 1 / |t|  for |t| >= v_d
 //! ```
 //!
-//! with J_i the tangential Jacobian of vertex i. The eigenvalues are some `-mu_k N / (m |t|)`, m
-//! the mass that the vertex feels: 1e7 1/s at 1e-6 m/s. Both derivatives are difference quotients,
-//! the first of contact solves at one configuration.
+//! The eigenvalues are some `-mu_k N / (m |t|)`, m the mass that the vertex feels: 1e7 1/s at 1e-6
+//! m/s. Near a jam normal forces respond to directions, and they are a hundred times as high. The
+//! derivatives by directions are difference quotients, of contact solves at one configuration.
+//!
+//! The slope of the solution has, along the rows, the rate at which directions turn,
+//!
+//! ```text
+//! theta' = dtheta/dt . (J q'' + J' q')          J' q' = dt/dx x'
+//! ```
+//!
+//! Stiff friction keeps this near zero: the sum is small, its terms, over |t|, are not. With J alone
+//! a step would leave the slow motion by `h J' q'`, which turns a slow vertex far beyond the range
+//! in which A is the derivative. The configuration moves along x' to first order in the step, so of
+//! dt/dx only its product with x' matters. The rows have the least entries with that product,
+//! `(dtheta/dt . J' q') x'^T / |x'|^2`.
 
 use super::Plant;
 use super::sliding_directions::direction;
@@ -27,11 +39,11 @@ const TURN: f64 = 1e-6;
 const SPAN: f64 = 1e-5;
 
 impl Plant {
-    /// Estimate from above of the rate at which friction turns sliding vertices, 1/s, from the last
-    /// evaluation: their own normal forces and the responses of their soles alone.
-    pub fn friction_rate_bound(&self) -> f64 {
+    /// Estimate of the rate at which friction turns sliding vertices, 1/s, from the last evaluation:
+    /// their own normal forces and the responses of their soles alone. Too low near a jam.
+    pub fn friction_rate_estimate(&self) -> f64 {
         let n = self.problem.dim();
-        let mut bound: f64 = 0.0;
+        let mut estimate: f64 = 0.0;
         for (s, i) in self.sliding_vertices() {
             let v = &self.problem.soles[s].vertices[i];
             let block = |r: usize, c: usize| self.problem.w[(6 * s + r) * n + 6 * s + c];
@@ -41,9 +53,9 @@ impl Plant {
             let response = linear - 2.0 * y * block(0, 5) + 2.0 * x * block(1, 5) + (x * x + y * y) * block(5, 5);
             // Below v_d the direction turns by at most a few 1 / v_d.
             let speed = v.velocity.xy().norm().max(0.5 * self.direction_speed(s));
-            bound += v.mu_k * self.solution.normal[s][i].abs() * response / speed;
+            estimate += v.mu_k * self.solution.normal[s][i].abs() * response / speed;
         }
-        bound
+        estimate
     }
 
     /// Sliding vertices but pivots, as sole and vertex.
@@ -65,7 +77,7 @@ impl Plant {
             *slot = vertex;
             out.rank += 1;
         }
-        let velocities = self.layout.velocities();
+        let (configuration, velocities) = (self.layout.configuration(), self.layout.velocities());
         for (r, &(s, i)) in vertices[..out.rank].iter().enumerate() {
             let v = self.problem.soles[s].vertices[i];
             let (t, u) = (v.velocity.xy(), v.direction);
@@ -76,13 +88,21 @@ impl Plant {
             // Truncation must not depend on the world's axes.
             let across = Vector2::new(-u.y, u.x);
             let gradient = u * slope(u) + across * slope(across);
+            let turning = gradient.dot(&self.problem.vertex_motion(&self.solution.motion, s, i).xy());
             let gradient = self.floor.rotation * Vector3::new(gradient.x, gradient.y, 0.0);
             let point = self.reduced.reference[s] + self.floor.rotation * v.r;
             let row = &mut out.rows[r];
             row.fill(0.0);
+            self.layout.configuration_rates(self.state.rotation.quaternion(), &self.state.v, row);
             for &k in self.ws.support(self.model.soles[s].link) {
                 row[velocities.start + k] = gradient.dot(&jacobian::column(&self.ws, k, &point).linear);
             }
+            self.kinematic_paths.joints().iter().for_each(|j| self.layout.hold(*j, row));
+            let by_velocity: f64 = row[velocities.clone()].iter().zip(&self.acceleration).map(|(v, a)| v * a).sum();
+            let rates = &mut row[configuration.clone()];
+            let square: f64 = rates.iter().map(|rate| rate * rate).sum();
+            let factor = if square > 0.0 { (turning - by_velocity) / square } else { 0.0 };
+            rates.iter_mut().for_each(|rate| *rate *= factor);
             self.respond_with(s, i, u + across * TURN);
             let column = &mut out.columns[r];
             column.fill(0.0);

@@ -88,16 +88,25 @@ impl StateLayout {
     /// Writes the derivative from velocities `v`, accelerations and powers. The caller fills the
     /// entries of [`StateLayout::actuators`].
     pub fn derivative(&self, y: &[f64], v: &[f64], acceleration: &[f64], powers: &EnergyFlows, dy: &mut [f64]) {
+        self.configuration_rates(&Quaternion::new(y[6], y[3], y[4], y[5]), v, dy);
+        dy[7 + self.nj..7 + self.nj + self.nv].copy_from_slice(acceleration);
+        dy[self.controlled()..].copy_from_slice(&powers.0);
+    }
+
+    /// Writes the derivative of position, quaternion `q` and joints from velocities `v`.
+    pub fn configuration_rates(&self, q: &Quaternion<f64>, v: &[f64], dy: &mut [f64]) {
         dy[..7].fill(0.0);
         if self.nb == 6 {
             dy[..3].copy_from_slice(&v[..3]);
             let omega = Quaternion::new(0.0, v[3], v[4], v[5]);
-            let q = Quaternion::new(y[6], y[3], y[4], y[5]);
             dy[3..7].copy_from_slice((omega * q * 0.5).coords.as_slice());
         }
         dy[7..7 + self.nj].copy_from_slice(&v[self.nb..]);
-        dy[7 + self.nj..7 + self.nj + self.nv].copy_from_slice(acceleration);
-        dy[self.controlled()..].copy_from_slice(&powers.0);
+    }
+
+    /// The entries of position, quaternion and joints.
+    pub fn configuration(&self) -> Range<usize> {
+        0..7 + self.nj
     }
 
     /// The entries of velocities.

@@ -3,7 +3,8 @@
 //! Friction of a slow vertex turns with its direction at rates that grow without bound as its speed
 //! goes to zero ([`crate::sim::plant::friction_stiffness`]). Explicit steps are then limited by
 //! stability, not by accuracy. Where that limit is below the step that the Rosenbrock method takes,
-//! the latter takes it.
+//! the latter takes it. The rate is computed where an estimate is high, or explicit steps are so
+//! short that something limits them.
 
 use super::step_size::StepSize;
 use crate::integrate::{Rosenbrock, RungeKutta, StepControl, Tableau};
@@ -12,8 +13,10 @@ use crate::sim::plant::state_layout::StateLayout;
 
 /// Product of step and eigenvalue up to which explicit steps are stable (`dopri5`: 3.3).
 const STABLE: f64 = 3.0;
-/// Rate of friction up to which explicit steps are not limited noticeably, 1/s.
+/// Estimated rate of friction up to which explicit steps are not limited noticeably, 1/s.
 const MODERATE: f64 = 1e5;
+/// Size of explicit steps up to which friction may limit them although the estimate is moderate, s.
+const SHORT: f64 = 1e-5;
 /// First step of the Rosenbrock method after a restart, s.
 const FIRST: f64 = 1e-4;
 /// Most explicit steps between two attempts to resume the Rosenbrock method.
@@ -73,21 +76,21 @@ impl MethodPair {
     pub fn select(&mut self, plant: &mut Plant, y: &[f64], h: f64, remaining: f64) -> f64 {
         let Some(size) = &self.stiff_size else { return h };
         let stiff = size.next(remaining);
-        let limit = |rate: f64| STABLE / rate;
-        let bound = plant.friction_rate_bound();
-        // Size of a Rosenbrock step: the one stored, or, after a transient in which explicit steps
-        // were the longer ones, twice their limit once they have reached it.
         let can_resume = self.waited >= self.wait;
-        let size_beyond = |limit: f64| {
-            let resumed = (can_resume && h > 0.5 * limit).then_some((2.0 * limit).min(remaining));
-            if limit <= stiff { Some((stiff, false)) } else { resumed.map(|h| (h, true)) }
-        };
         self.waited = self.waited.saturating_add(1);
-        if bound < MODERATE || size_beyond(limit(bound)).is_none() {
+        let estimate = plant.friction_rate_estimate();
+        if !(estimate > 0.0) || estimate < MODERATE && h > SHORT {
             return h;
         }
         plant.friction_stiffness(&mut self.stiff.stiff);
-        let Some((first, resumes)) = size_beyond(limit(self.stiff.stiff.rate())) else { return h };
+        let limit = STABLE / self.stiff.stiff.rate();
+        // Size of a Rosenbrock step: the one stored, or, after a transient in which explicit steps
+        // were the longer ones, twice their limit once they have reached it.
+        let resumes = !(limit <= stiff);
+        if resumes && !(can_resume && h > 0.5 * limit) {
+            return h;
+        }
+        let first = if resumes { (2.0 * limit).min(remaining) } else { stiff };
         self.stiff.begin(y, self.explicit.slope());
         (self.is_stiff, self.resumes) = (true, resumes);
         first
