@@ -16,7 +16,8 @@
 //! | pivoting | as sliding, and a free tangential force at the pivot | as sliding, and no tangential motion there |
 //!
 //! All soles are solved together. Friction makes the sliding systems unsymmetric, and they are
-//! solved so: without friction in the normal equations a sliding block would hop. Redundant rows
+//! solved so: without friction in the normal equations a sliding block would hop. Without sliding
+//! soles R = B^T and the system is symmetric. Redundant rows
 //! (two feet of one body, straight legs) give the solution of least norm
 //! ([`crate::linalg::linear`]). A sliding face follows the pressure rule of
 //! [`crate::contact::model::pressure`]: `N_i = max(0, A_i . y)`. Its unknowns are y; the set of
@@ -32,11 +33,52 @@ use nalgebra::{Vector2, Vector3};
 /// Six numbers: a wrench or a row over a sole's motion.
 pub(super) type Six = [f64; 6];
 
+/// A unit of wrench, or a row over a sole's motion.
+#[derive(Clone, Copy, Debug)]
+enum Direction {
+    /// This number at this position, zero elsewhere.
+    Axis(usize, f64),
+    General(Six),
+}
+
+impl Direction {
+    /// Product with six numbers.
+    fn dot(&self, x: &[f64]) -> f64 {
+        match self {
+            Direction::Axis(axis, size) => x[*axis] * size,
+            Direction::General(six) => dot(x, six),
+        }
+    }
+
+    /// Adds the direction times `size`.
+    fn add_to(&self, size: f64, sum: &mut [f64]) {
+        match self {
+            Direction::Axis(axis, unit) => sum[*axis] += unit * size,
+            Direction::General(six) => sum.iter_mut().zip(six).for_each(|(sum, x)| *sum += x * size),
+        }
+    }
+
+    /// Response of the motions to this wrench on sole `s`: `out = W_s six`, of length 6F.
+    fn response(&self, p: &Problem, s: usize, out: &mut [f64]) {
+        let dim = p.dim();
+        match self {
+            // W is symmetric: its rows are its columns.
+            Direction::Axis(axis, size) => {
+                let column = &p.w[(6 * s + axis) * dim..][..dim];
+                out.iter_mut().zip(column).for_each(|(y, w)| *y = w * size);
+            }
+            Direction::General(six) => {
+                out.iter_mut().zip(p.w.chunks_exact(dim)).for_each(|(y, row)| *y = dot(&row[6 * s..], six));
+            }
+        }
+    }
+}
+
 /// Scratch of the candidate solve, allocated once.
 #[derive(Clone, Debug)]
 pub struct CandidateSolver {
-    columns: Vec<(usize, Six)>,
-    rows: Vec<(usize, Six, f64)>,
+    columns: Vec<(usize, Direction)>,
+    rows: Vec<(usize, Direction, f64)>,
     /// W B, one column after the other, each 6F long.
     wb: Vec<f64>,
     /// R W B of order `size`, or its factors after a solve.
@@ -141,28 +183,37 @@ impl CandidateSolver {
             self.first[s] = self.columns.len();
             self.build(s, sole, states[s]);
         }
-        let dim = p.dim();
+        let dim = p.dim().max(1);
         let n = self.columns.len();
-        for (c, (s, b)) in self.columns.iter().enumerate() {
-            for (i, y) in self.wb[c * dim..(c + 1) * dim].iter_mut().enumerate() {
-                *y = dot(&p.w[i * dim + 6 * s..], b);
+        for ((s, b), wb) in self.columns.iter().zip(self.wb.chunks_exact_mut(dim)) {
+            b.response(p, *s, wb);
+        }
+        for (x, (s, row, target)) in self.x.iter_mut().zip(&self.rows) {
+            *x = target - row.dot(&p.b[6 * s..]);
+        }
+        let symmetric = (0..p.soles.len()).all(|s| !states[s].is_dynamic());
+        let (a, x) = (&mut self.a[..n * n], &mut self.x[..n]);
+        for (c, wb) in self.wb.chunks_exact(dim).take(n).enumerate() {
+            let first = if symmetric { c } else { 0 };
+            for (r, (s, row, _)) in self.rows.iter().enumerate().skip(first) {
+                let entry = row.dot(&wb[6 * s..]);
+                a[r * n + c] = entry;
+                if symmetric {
+                    a[c * n + r] = entry;
+                }
             }
         }
-        for (r, (s, row, target)) in self.rows.iter().enumerate() {
-            self.x[r] = target - dot(&p.b[6 * s..], row);
-            for c in 0..n {
-                self.a[r * n + c] = dot(&self.wb[c * dim + 6 * s..], row);
-            }
-        }
-        self.linear.solve(&mut self.a[..n * n], &mut self.x[..n]);
+        if symmetric {
+            self.linear.solve_symmetric(a, x)
+        } else {
+            self.linear.solve(a, x)
+        };
         self.size = n;
         out.wrench.fill(0.0);
         out.motion.copy_from_slice(&p.b);
         for (c, (s, b)) in self.columns.iter().enumerate() {
             let x = self.x[c];
-            for (w, b) in out.wrench[6 * s..6 * s + 6].iter_mut().zip(b) {
-                *w += b * x;
-            }
+            b.add_to(x, &mut out.wrench[6 * s..6 * s + 6]);
             for (m, y) in out.motion.iter_mut().zip(&self.wb[c * dim..(c + 1) * dim]) {
                 *m += y * x;
             }
@@ -173,11 +224,9 @@ impl CandidateSolver {
     /// last solve: `motion` (6F) = W e + W B x' with R W (e + B x') = 0.
     pub fn response(&mut self, p: &Problem, s: usize, six: &[f64; 6], motion: &mut [f64]) {
         let (dim, n) = (p.dim(), self.size);
-        for (i, m) in motion.iter_mut().enumerate() {
-            *m = dot(&p.w[i * dim + 6 * s..], six);
-        }
+        Direction::General(*six).response(p, s, motion);
         for (x, (t, row, _)) in self.x.iter_mut().zip(&self.rows) {
-            *x = -dot(&motion[6 * t..], row);
+            *x = -row.dot(&motion[6 * t..]);
         }
         self.linear.apply(&self.a[..n * n], &mut self.x[..n]);
         for (c, x) in self.x[..n].iter().enumerate() {
@@ -213,8 +262,7 @@ impl CandidateSolver {
                 let t = &sole.target;
                 let targets = [0.0, 0.0, t.x, rho * t.y, rho * t.z, 0.0];
                 for (axis, target) in targets.into_iter().enumerate() {
-                    let mut e = [0.0; 6];
-                    e[axis] = if axis < 3 { 1.0 } else { rho };
+                    let e = Direction::Axis(axis, if axis < 3 { 1.0 } else { rho });
                     self.columns.push((s, e));
                     self.rows.push((s, e, target));
                 }
@@ -235,10 +283,9 @@ impl CandidateSolver {
                     }
                 }
                 let t = &sole.target;
-                let rows =
-                    [[0.0, 0.0, 1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, rho, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, rho, 0.0]];
+                let rows = [Direction::Axis(2, 1.0), Direction::Axis(3, rho), Direction::Axis(4, rho)];
                 for ((column, row), target) in columns.into_iter().zip(rows).zip([t.x, rho * t.y, rho * t.z]) {
-                    self.columns.push((s, column));
+                    self.columns.push((s, Direction::General(column)));
                     self.rows.push((s, row, target));
                 }
             }
@@ -251,7 +298,7 @@ impl CandidateSolver {
     /// Adds an unknown force at a vertex along `d`, and the condition of no motion along `d`.
     fn tie(&mut self, s: usize, sole: &SoleProblem, i: usize, d: &Vector3<f64>) {
         let v = &sole.vertices[i];
-        let six = wrench_at(&v.r, d);
+        let six = Direction::General(wrench_at(&v.r, d));
         self.columns.push((s, six));
         self.rows.push((s, six, d.z * sole.vertex_target(i) - d.dot(&v.bias)));
     }
@@ -259,8 +306,9 @@ impl CandidateSolver {
     /// Adds a normal force with its friction at a vertex, and the condition on its normal motion.
     fn slide(&mut self, s: usize, sole: &SoleProblem, i: usize, mode: Mode) {
         let v = &sole.vertices[i];
-        self.columns.push((s, sliding_wrench(sole, i, mode)));
-        self.rows.push((s, wrench_at(&v.r, &Vector3::z()), sole.vertex_target(i) - v.bias.z));
+        self.columns.push((s, Direction::General(sliding_wrench(sole, i, mode))));
+        let row = Direction::General(wrench_at(&v.r, &Vector3::z()));
+        self.rows.push((s, row, sole.vertex_target(i) - v.bias.z));
     }
 
     /// Reads the forces of sliding soles and updates the loaded sets of their faces. Returns true
