@@ -27,7 +27,9 @@ pub fn mass_matrix(model: &Model, ws: &mut Workspace) {
         let momentum = composite.apply(&ws.axes[nb + i]);
         let (chain, row) = ws.mass.row_mut(nb + i);
         // The base's axes are the unit vectors, so its columns are the momentum itself.
-        row[..nb].copy_from_slice(&momentum.to_array()[..nb]);
+        if let (6, Some(first)) = (nb, row.first_chunk_mut()) {
+            *first = momentum.to_array();
+        }
         for (entry, &j) in row[nb..].iter_mut().zip(&chain[nb..]) {
             *entry = ws.axes[j].dot(&momentum);
         }

@@ -59,38 +59,96 @@ fn shift_and_eliminate(ws: &mut Workspace, shift: &[f64], prescribed: &[usize]) 
     eliminate(&mut ws.factor, &mut ws.scratch)
 }
 
-/// Factorises in place; `least` is scratch of length nv.
+/// Head of a row of a fixed base.
+const NONE: [f64; 6] = [0.0; 6];
+
+/// Splits a row after the six velocities of a floating base. The head of a fixed base is zero.
+#[inline(always)]
+fn split_base(row: &[f64], base: usize) -> (&[f64; 6], &[f64]) {
+    if base == 6 { row.split_first_chunk().unwrap_or((&NONE, row)) } else { (&NONE, row) }
+}
+
+/// The first six of `x` for a floating base, zero for a fixed one.
+#[inline(always)]
+fn base_of(x: &[f64], base: usize) -> [f64; 6] {
+    *split_base(x, base).0
+}
+
+/// Factorises in place; `least` is scratch of length nv. First the joints, then the base, whose
+/// rows all joints change.
 fn eliminate(factor: &mut TreeMatrix, least: &mut [f64]) -> Result<(), DynamicsError> {
     for (k, least) in least.iter_mut().enumerate() {
         // A pivot below this fraction of its initial diagonal is rounding, not inertia.
         *least = 16.0 * f64::EPSILON * factor.row(k).last().expect("a row contains its diagonal");
     }
-    for k in (0..factor.len()).rev() {
-        let (before, row, pattern) = factor.split_row(k);
-        let (diagonal, row) = row.split_last_mut().expect("a row contains its diagonal");
-        let pivot = *diagonal;
-        // This form of the comparison also rejects NaN.
-        if !(pivot > least[k] && pivot < f64::INFINITY) {
-            return Err(DynamicsError::Singular { dof: k, pivot });
-        }
-        // Row of the ancestor at depth e: its first e + 1 entries belong to the same velocities as
-        // this row's. The next pivot depends only on 1 / pivot, so the square root is off the
-        // critical path.
-        let reciprocal = 1.0 / pivot;
-        for (e, &ancestor) in pattern.chain(k)[..row.len()].iter().enumerate() {
-            let scale = row[e] * reciprocal;
-            let target = &mut before[pattern.range(ancestor)];
-            for (t, &x) in target.iter_mut().zip(&*row) {
-                *t -= scale * x;
-            }
-        }
-        let inverse = pivot.sqrt() * reciprocal;
-        *diagonal = inverse;
-        for x in row.iter_mut() {
-            *x *= inverse;
-        }
+    let base = factor.pattern().base();
+    for k in (base..factor.len()).rev() {
+        eliminate_row(factor, k, base, least[k])?;
+    }
+    if base == 6 {
+        subtract_joints_from_base(factor);
+    }
+    for k in (0..base).rev() {
+        eliminate_row(factor, k, 0, least[k])?;
     }
     Ok(())
+}
+
+/// Scales row `k` and subtracts it from the rows of its ancestors, without the first `base`. Its
+/// pivot must exceed `least`.
+fn eliminate_row(factor: &mut TreeMatrix, k: usize, base: usize, least: f64) -> Result<(), DynamicsError> {
+    let (before, row, pattern) = factor.split_row(k);
+    let (diagonal, row) = row.split_last_mut().expect("a row contains its diagonal");
+    let pivot = *diagonal;
+    // This form of the comparison also rejects NaN.
+    if !(pivot > least && pivot < f64::INFINITY) {
+        return Err(DynamicsError::Singular { dof: k, pivot });
+    }
+    // Row of the ancestor at depth e: its first e + 1 entries belong to the same velocities as
+    // this row's. The next pivot depends only on 1 / pivot, so the square root is off the
+    // critical path.
+    let reciprocal = 1.0 / pivot;
+    let (head, tail) = split_base(row, base);
+    for (&ancestor, &entry) in pattern.chain(k)[base..].iter().zip(tail) {
+        let scale = entry * reciprocal;
+        let (first, rest) = before[pattern.range(ancestor)].split_at_mut(base);
+        if let Ok(first) = <&mut [f64; 6]>::try_from(first) {
+            first.iter_mut().zip(head).for_each(|(t, x)| *t -= scale * x);
+        }
+        rest.iter_mut().zip(tail).for_each(|(t, x)| *t -= scale * x);
+    }
+    let inverse = pivot.sqrt() * reciprocal;
+    *diagonal = inverse;
+    for x in row.iter_mut() {
+        *x *= inverse;
+    }
+    Ok(())
+}
+
+/// Subtracts the finished rows of all joints from the six rows of a floating base, with which every
+/// row begins: `B -= sum l_k l_k^T`, l_k the first six entries of row k.
+///
+/// The lower triangle of B, with rows of even length, stays in vector registers.
+fn subtract_joints_from_base(factor: &mut TreeMatrix) {
+    let mut rows = ([[0.0; 2]; 2], [[0.0; 4]; 2], [[0.0; 6]; 2]);
+    for i in 0..2 {
+        rows.0[i][..=i].copy_from_slice(factor.row(i));
+        rows.1[i][..=i + 2].copy_from_slice(factor.row(i + 2));
+        rows.2[i][..=i + 4].copy_from_slice(factor.row(i + 4));
+    }
+    for k in (6..factor.len()).rev() {
+        let Some(l) = factor.row(k).first_chunk::<6>() else { continue };
+        for i in 0..2 {
+            rows.0[i].iter_mut().zip(l).for_each(|(x, y)| *x -= l[i] * y);
+            rows.1[i].iter_mut().zip(l).for_each(|(x, y)| *x -= l[i + 2] * y);
+            rows.2[i].iter_mut().zip(l).for_each(|(x, y)| *x -= l[i + 4] * y);
+        }
+    }
+    for i in 0..2 {
+        factor.row_mut(i).1.copy_from_slice(&rows.0[i][..=i]);
+        factor.row_mut(i + 2).1.copy_from_slice(&rows.1[i][..=i + 2]);
+        factor.row_mut(i + 4).1.copy_from_slice(&rows.2[i][..=i + 4]);
+    }
 }
 
 /// `x = M^-1 x`, length nv.
@@ -101,26 +159,45 @@ pub fn solve(ws: &Workspace, x: &mut [f64]) {
 
 /// First half: `x = L^-T x`, length nv.
 pub fn solve_lt(factor: &TreeMatrix, x: &mut [f64]) {
-    for k in (0..factor.len()).rev() {
-        let row = factor.row(k);
-        let above = row.len() - 1;
-        let y = x[k] * row[above];
+    let (base, pattern) = (factor.pattern().base(), factor.pattern());
+    // What the joints subtract from the base stays in registers.
+    let mut first = base_of(x, base);
+    for k in (base..factor.len()).rev() {
+        let (diagonal, row) = factor.row(k).split_last().expect("a row contains its diagonal");
+        let y = x[k] * diagonal;
         x[k] = y;
-        for (&j, &l) in factor.pattern().chain(k)[..above].iter().zip(row) {
+        let (head, tail) = split_base(row, base);
+        first.iter_mut().zip(head).for_each(|(x, l)| *x -= l * y);
+        for (&j, &l) in pattern.chain(k)[base..].iter().zip(tail) {
             x[j] -= l * y;
         }
+    }
+    x[..base].copy_from_slice(&first[..base]);
+    for k in (0..base).rev() {
+        let row = factor.row(k);
+        let y = x[k] * row[k];
+        x[k] = y;
+        x.iter_mut().zip(&row[..k]).for_each(|(x, l)| *x -= l * y);
     }
 }
 
 /// Second half: `x = L^-1 x`, length nv.
 pub fn solve_l(factor: &TreeMatrix, x: &mut [f64]) {
-    for k in 0..factor.len() {
+    let (base, pattern) = (factor.pattern().base(), factor.pattern());
+    for k in 0..base {
         let row = factor.row(k);
-        let above = row.len() - 1;
-        let mut sum = x[k];
-        for (&j, &l) in factor.pattern().chain(k)[..above].iter().zip(row) {
+        let sum = row[..k].iter().zip(&*x).fold(x[k], |sum, (l, x)| sum - l * x);
+        x[k] = sum * row[k];
+    }
+    let first = base_of(x, base);
+    for k in base..factor.len() {
+        let (diagonal, row) = factor.row(k).split_last().expect("a row contains its diagonal");
+        let (head, tail) = split_base(row, base);
+        let part = |i: usize| head[i] * first[i] + head[i + 2] * first[i + 2] + head[i + 4] * first[i + 4];
+        let mut sum = x[k] - (part(0) + part(1));
+        for (&j, &l) in pattern.chain(k)[base..].iter().zip(tail) {
             sum -= l * x[j];
         }
-        x[k] = sum * row[above];
+        x[k] = sum * diagonal;
     }
 }

@@ -165,17 +165,15 @@ fn half_solve(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, s: usize, out
         write_in_floor_axes(&to_floor, &Motion::new(axis.at(&r), axis.angular), y);
     }
     for e in (0..chain.len()).rev() {
-        let row = ws.factor.row(chain[e]);
-        let (above, rest) = y.split_at_mut(e);
-        let here = &mut rest[0];
-        for x in here.iter_mut() {
-            *x *= row[e];
+        let (above, below) = y.split_at_mut(e + 1);
+        // The sum stays in registers.
+        let mut sum = above[e];
+        for (x, &k) in below.iter().zip(&chain[e + 1..]).rev() {
+            let l = ws.factor.row(k)[e];
+            sum.iter_mut().zip(x).for_each(|(sum, x)| *sum -= l * x);
         }
-        for (y, &l) in above.iter_mut().zip(row) {
-            for (y, x) in y.iter_mut().zip(&*here) {
-                *y -= l * x;
-            }
-        }
+        let inverse = ws.factor.row(chain[e])[e];
+        above[e] = sum.map(|x| x * inverse);
     }
 }
 
@@ -225,19 +223,22 @@ fn block(model: &Model, ws: &Workspace, s: usize, other: usize, out: &mut Reduce
     let shared = a.iter().zip(b).take_while(|(i, j)| i == j).count();
     let ya = &out.y[out.y_start[s]..][..shared];
     let yb = &out.y[out.y_start[other]..][..shared];
-    let mut sum = [[0.0; 6]; 6];
-    for (ya, yb) in ya.iter().zip(yb) {
-        for (column, &b) in sum.iter_mut().zip(yb) {
-            for (x, &a) in column.iter_mut().zip(ya) {
-                *x += a * b;
+    let size = 6 * out.n;
+    // Three columns at a time stay in registers.
+    for first in [0, 3] {
+        let mut sum = [[0.0; 6]; 3];
+        for (ya, yb) in ya.iter().zip(yb) {
+            for (column, &b) in sum.iter_mut().zip(&yb[first..]) {
+                for (x, &a) in column.iter_mut().zip(ya) {
+                    *x += a * b;
+                }
             }
         }
-    }
-    let size = 6 * out.n;
-    for (c, column) in sum.iter().enumerate() {
-        for (r, &x) in column.iter().enumerate() {
-            out.w[6 * s + r + size * (6 * other + c)] = x;
-            out.w[6 * other + c + size * (6 * s + r)] = x;
+        for (c, column) in sum.iter().enumerate().map(|(c, column)| (6 * other + first + c, column)) {
+            for (r, &x) in column.iter().enumerate() {
+                out.w[6 * s + r + size * c] = x;
+                out.w[c + size * (6 * s + r)] = x;
+            }
         }
     }
 }

@@ -11,13 +11,18 @@
 pub struct Pattern {
     start: Vec<usize>,
     column: Vec<usize>,
+    /// See [`Pattern::base`].
+    base: usize,
 }
 
 impl Pattern {
     /// Builds the pattern from the parent velocity of each velocity (`None`: attached to the
     /// ground). Parents have smaller indices.
     pub fn new(parents: &[Option<usize>]) -> Self {
-        let mut pattern = Pattern { start: vec![0], column: Vec::new() };
+        let follows =
+            |(i, parent): (usize, &Option<usize>)| if i < 6 { *parent == i.checked_sub(1) } else { *parent >= Some(5) };
+        let base = if parents.len() >= 6 && parents.iter().enumerate().all(follows) { 6 } else { 0 };
+        let mut pattern = Pattern { start: vec![0], column: Vec::new(), base };
         for (i, parent) in parents.iter().enumerate() {
             if let Some(p) = *parent {
                 pattern.column.extend_from_within(pattern.start[p]..pattern.start[p + 1]);
@@ -36,6 +41,13 @@ impl Pattern {
     /// True for a tree without velocities.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// 6 if the first six velocities are a chain with which every other row begins, as those of a
+    /// floating base; otherwise 0.
+    #[inline(always)]
+    pub(super) fn base(&self) -> usize {
+        self.base
     }
 
     /// Ancestors of velocity `i`, root first, `i` itself last.
