@@ -55,14 +55,14 @@ pub fn momentum(ws: &Workspace) -> Momentum {
 fn momentum_about_origin(ws: &Workspace) -> Force {
     let mut sum = Force::ZERO;
     for link in moving(ws) {
-        sum += link.inertia.apply(&link.velocity);
+        sum += link.momentum;
     }
     sum
 }
 
 /// Kinetic energy, J. Needs `kinematics::update`.
 pub fn kinetic_energy(model: &Model, ws: &Workspace) -> f64 {
-    let links: f64 = moving(ws).iter().map(|l| l.velocity.dot(&l.inertia.apply(&l.velocity))).sum();
+    let links: f64 = moving(ws).iter().map(|l| l.velocity.dot(&l.momentum)).sum();
     let rotors: f64 = model.joints.iter().zip(&ws.v[ws.nb..]).map(|(j, v)| j.armature * v * v).sum();
     0.5 * (links + rotors)
 }

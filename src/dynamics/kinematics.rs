@@ -61,13 +61,14 @@ pub fn positions(model: &Model, state: &State, ws: &mut Workspace) {
     }
 }
 
-/// Twists and velocity products for the velocity of `state`, at the configuration last given to
+/// Twists, momenta and velocity products for the velocity of `state`, at the configuration last given to
 /// [`positions`].
 pub fn velocities(state: &State, ws: &mut Workspace) {
     ws.v.copy_from_slice(&state.v);
     if ws.nb == 6 {
         let base = Motion::from_slice(&state.v);
         ws.links[0].velocity = base;
+        ws.links[0].momentum = ws.links[0].inertia.apply(&base);
         ws.links[0].drift = Motion::new(-base.angular.cross(&base.linear), Vector3::zeros());
     }
     let joints = ws.v[ws.nb..].iter().zip(&ws.axes[ws.nb..]).zip(&ws.parent[1..]);
@@ -76,6 +77,7 @@ pub fn velocities(state: &State, ws: &mut Workspace) {
         let up = &done[parent];
         let step = axis.scaled(rate);
         rest[0].velocity = up.velocity + step;
+        rest[0].momentum = rest[0].inertia.apply(&rest[0].velocity);
         // V_p x S = V_i x S since S x S = 0; the parent's twist is available first.
         rest[0].drift = up.drift + up.velocity.cross(&step);
     }

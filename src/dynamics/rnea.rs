@@ -17,9 +17,8 @@ use nalgebra::Vector3;
 /// `kinematics::update`.
 pub fn bias(ws: &mut Workspace, gravity: &Vector3<f64>) {
     for (force, link) in ws.forces.iter_mut().zip(&ws.links) {
-        let momentum = link.inertia.apply(&link.velocity);
         let acceleration = Motion::new(link.drift.linear - gravity, link.drift.angular);
-        *force = link.inertia.apply(&acceleration) + link.velocity.cross_force(&momentum);
+        *force = link.inertia.apply(&acceleration) + link.velocity.cross_force(&link.momentum);
     }
     project(&ws.parent, &mut ws.forces, &ws.axes, ws.nb, &mut ws.bias);
 }
@@ -29,9 +28,8 @@ pub fn bias(ws: &mut Workspace, gravity: &Vector3<f64>) {
 pub fn inverse_dynamics(model: &Model, ws: &mut Workspace, vdot: &[f64], gravity: &Vector3<f64>, tau: &mut [f64]) {
     super::kinematics::accelerations(ws, vdot);
     for (force, link) in ws.forces.iter_mut().zip(&ws.links) {
-        let momentum = link.inertia.apply(&link.velocity);
         let acceleration = Motion::new(link.acceleration.linear - gravity, link.acceleration.angular);
-        *force = link.inertia.apply(&acceleration) + link.velocity.cross_force(&momentum);
+        *force = link.inertia.apply(&acceleration) + link.velocity.cross_force(&link.momentum);
     }
     project(&ws.parent, &mut ws.forces, &ws.axes, ws.nb, tau);
     for ((tau, joint), a) in tau[ws.nb..].iter_mut().zip(&model.joints).zip(&vdot[ws.nb..]) {

@@ -16,6 +16,8 @@ pub struct LinkMotion {
     pub inertia: Inertia,
     /// Twist V.
     pub velocity: Motion,
+    /// Momentum I V about O.
+    pub momentum: Force,
     /// Spatial acceleration at `vdot = 0`, without gravity: the velocity products.
     pub drift: Motion,
     /// Spatial acceleration at the `vdot` last given to [`super::kinematics::accelerations`],
@@ -71,6 +73,7 @@ impl Workspace {
             origin: Vector3::zeros(),
             inertia: Inertia::ZERO,
             velocity: Motion::ZERO,
+            momentum: Force::ZERO,
             drift: Motion::ZERO,
             acceleration: Motion::ZERO,
         };
