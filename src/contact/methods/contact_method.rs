@@ -83,7 +83,7 @@ pub trait ContactSolver: Send {
     fn select(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection;
 
     /// Selects states and impulses at the velocity level: an impact, or a step of a time-stepping
-    /// integrator.
+    /// integrator. Leaves the wrenches and the impulses of all vertices in `out`.
     fn impulse(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection;
 
     /// Impulses of a velocity-level step with every vertex as a point, and the states that they

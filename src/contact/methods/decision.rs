@@ -58,6 +58,11 @@ pub fn vote(height: f64, speed: f64, clamped: bool, normal: f64, n: usize, tol: 
 /// present pattern.
 pub fn cheapest(votes: &[Vote], normal: &[f64], now: Pattern) -> Pattern {
     let k = votes.len();
+    // Every other pattern disagrees with at least one vote.
+    let present = SoleState::fixed(now);
+    if (0..k).all(|i| votes[i].clamp == present.clamps(i, k)) {
+        return now;
+    }
     // Smaller is better.
     let rank = |pattern: Pattern| {
         let state = SoleState::fixed(pattern);

@@ -87,6 +87,33 @@ pub fn carries(
     sum.norm().max(turn.abs() / radius) <= 1e-3 * SPARE * total
 }
 
+/// Writes tangential forces that carry the load: `tangent` and a share of what it lacks,
+/// proportional to the capacities times a common translation and rotation field.
+pub fn balance(
+    points: &[(f64, Vector2<f64>)],
+    tangent: &[Vector2<f64>],
+    force: &Vector2<f64>,
+    yaw: f64,
+    out: &mut [Vector2<f64>],
+) {
+    let (mut total, mut centre) = (0.0, Vector2::zeros());
+    let (mut lack, mut lack_yaw) = (*force, yaw);
+    for ((c, r), t) in points.iter().zip(tangent) {
+        total += c;
+        centre += r * *c;
+        lack -= t;
+        lack_yaw -= r.perp(t);
+    }
+    centre /= total;
+    let spread: f64 = points.iter().map(|(c, r)| c * (r - centre).norm_squared()).sum();
+    let shift = lack / total;
+    let turn = if spread > 0.0 { (lack_yaw - centre.perp(&lack)) / spread } else { 0.0 };
+    for (((c, r), t), out) in points.iter().zip(tangent).zip(out) {
+        let d = r - centre;
+        *out = t + (shift + Vector2::new(-d.y, d.x) * turn) * *c;
+    }
+}
+
 /// Minimises `sum c_i |v - p_i| - F . v` over the plane, given `|F| < sum c_i`.
 fn fermat_weber(
     points: &[(f64, Vector2<f64>)],
@@ -259,6 +286,13 @@ mod tests {
             assert!(!carried || face(&points, &force, yaw, R).0 > 0.0, "{k}");
             // The forces do not carry a load that differs from their sum.
             assert!(!carries(&points, &tangent, &force, yaw + 1e-6, R));
+            // Balanced forces carry any load.
+            let (force, yaw) = (Vector2::new(0.3, -0.1), 0.02);
+            let mut balanced = [Vector2::zeros(); 4];
+            balance(&points, &tangent, &force, yaw, &mut balanced);
+            let sum: Vector2<f64> = balanced.iter().sum();
+            let turn: f64 = points.iter().zip(&balanced).map(|((_, r), t)| r.perp(t)).sum();
+            assert!((sum - force).norm() < 1e-14 && (turn - yaw).abs() < 1e-15);
         }
         assert!(seen.iter().all(|&n| n > 100), "{seen:?}");
     }

@@ -11,7 +11,7 @@
 //! minimises the convex dual `1/2 sum max(0, A_i . y)^2 - q . y`, found here by Newton steps on the
 //! active set with step halving.
 
-use crate::contact::model::problem::SoleProblem;
+use crate::contact::model::problem::{SoleProblem, Vertex};
 use nalgebra::{Matrix3, Vector3};
 
 /// Row A_i of the pressure rule.
@@ -32,8 +32,8 @@ pub fn share(sole: &SoleProblem, force: f64, moment: [f64; 2], normal: &mut [f64
         return false;
     };
     let linear = y;
-    let k = sole.vertices.len();
-    let mut converged = (0..k).all(|i| basis(sole, i).dot(&y) >= 0.0);
+    let vertices = &sole.vertices;
+    let mut converged = vertices.iter().all(|v| pressure(sole, &y, v) >= 0.0);
     for _ in 0..50 {
         if converged {
             break;
@@ -45,38 +45,51 @@ pub fn share(sole: &SoleProblem, force: f64, moment: [f64; 2], normal: &mut [f64
             t *= 0.5;
         }
         let next = y + (target - y) * t;
-        converged = t == 1.0 && (0..k).all(|i| active(sole, i, &next) == active(sole, i, &y));
+        let active = |y: &Vector3<f64>, v: &Vertex| pressure(sole, y, v) > 0.0;
+        converged = t == 1.0 && vertices.iter().all(|v| active(&next, v) == active(&y, v));
         y = next;
     }
-    (0..k).for_each(|i| normal[i] = basis(sole, i).dot(&y).max(0.0));
+    let mut carried = Vector3::zeros();
+    for (n, v) in normal.iter_mut().zip(vertices) {
+        *n = pressure(sole, &y, v).max(0.0);
+        carried += Vector3::new(*n, v.r.x * *n, v.r.y * *n);
+    }
     // With the centre of pressure outside, the damped steps converge to a pressure that does not
     // carry the load.
-    let carried: Vector3<f64> = (0..k).map(|i| basis(sole, i) * normal[i]).sum();
+    let carried = carried.component_mul(&units(sole));
     let inside = converged && (carried - q).norm() <= 1e-9 * q.norm();
     if !inside {
-        (0..k).for_each(|i| normal[i] = basis(sole, i).dot(&linear));
+        normal.iter_mut().zip(vertices).for_each(|(n, v)| *n = pressure(sole, &linear, v));
     }
     inside
 }
 
-fn active(sole: &SoleProblem, i: usize, y: &Vector3<f64>) -> bool {
-    basis(sole, i).dot(y) > 0.0
+/// (1, 1 / rho, 1 / rho).
+fn units(sole: &SoleProblem) -> Vector3<f64> {
+    let unit = 1.0 / sole.radius;
+    Vector3::new(1.0, unit, unit)
+}
+
+/// `A_i . y` at a vertex.
+fn pressure(sole: &SoleProblem, y: &Vector3<f64>, v: &Vertex) -> f64 {
+    let y = y.component_mul(&units(sole));
+    y.x + v.r.x * y.y + v.r.y * y.z
 }
 
 fn dual(sole: &SoleProblem, q: &Vector3<f64>, y: &Vector3<f64>) -> f64 {
-    let sum: f64 = (0..sole.vertices.len()).map(|i| basis(sole, i).dot(y).max(0.0).powi(2)).sum();
+    let sum: f64 = sole.vertices.iter().map(|v| pressure(sole, y, v).max(0.0).powi(2)).sum();
     0.5 * sum - q.dot(y)
 }
 
 /// Stationary point of the dual on the active set of `at` (all vertices when `None`).
 fn newton_point(sole: &SoleProblem, q: &Vector3<f64>, at: Option<&Vector3<f64>>) -> Option<Vector3<f64>> {
     let mut gram = Matrix3::zeros();
-    for i in 0..sole.vertices.len() {
-        if at.is_none_or(|y| active(sole, i, y)) {
-            let a = basis(sole, i);
-            gram += a * a.transpose();
-        }
+    for v in sole.vertices.iter().filter(|v| at.is_none_or(|y| pressure(sole, y, v) > 0.0)) {
+        let a = Vector3::new(1.0, v.r.x, v.r.y);
+        gram += a * a.transpose();
     }
+    let units = units(sole);
+    gram.component_mul_assign(&(units * units.transpose()));
     // A two-vertex active set (centre of pressure on an edge) leaves one direction undetermined.
     // Damping of relative size 1e-14 selects the least y and changes N by as much.
     gram += Matrix3::identity() * (1e-14 * gram.trace());
@@ -85,7 +98,6 @@ fn newton_point(sole: &SoleProblem, q: &Vector3<f64>, at: Option<&Vector3<f64>>)
 
 #[cfg(test)]
 mod tests {
-    use super::super::problem::Vertex;
     use super::*;
 
     fn square() -> SoleProblem {

@@ -156,9 +156,11 @@ fn static_margin(
             let mut points = [(0.0, Vector2::zeros()); 64];
             (0..k).for_each(|i| points[i] = (capacity(i), sole.vertices[i].r.xy()));
             // The wrench itself is tested: without normal load its split over the vertices need not
-            // exist.
+            // exist. A step that turns the sole changes the moment of its vertex forces slightly.
             let (points, force) = (&points[..k], Vector2::new(wrench[0], wrench[1]));
-            if friction_capacity::carries(points, tangent, &force, wrench[5], sole.radius) {
+            let mut balanced = [Vector2::zeros(); 64];
+            friction_capacity::balance(points, tangent, &force, wrench[5], &mut balanced);
+            if friction_capacity::carries(points, &balanced, &force, wrench[5], sole.radius) {
                 return 0.0;
             }
             friction_capacity::face(points, &force, wrench[5], sole.radius).0

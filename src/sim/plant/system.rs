@@ -385,7 +385,7 @@ impl Plant {
                 v.height = height + v.r.z;
                 v.velocity = linear + omega.cross(&v.r);
                 v.bias = omega.cross(&omega.cross(&v.r));
-                v.moving = v.velocity.xy().norm() > self.rest;
+                v.moving = v.velocity.xy().norm_squared() > self.rest * self.rest;
                 v.near = false;
             }
         }

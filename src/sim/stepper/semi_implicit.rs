@@ -107,7 +107,6 @@ pub(super) fn apply_step(sim: &mut RunState, dt: f64, end: f64) {
     displace(sim, dt);
     let plant = &mut sim.plant;
     plant.state.v.iter_mut().zip(&sim.displacement).for_each(|(v, dv)| *v += dv);
-    plant.share_forces();
     if let Some(impulses) = &mut plant.impulses {
         impulses.add(&plant.solution.wrench, 1.0);
     }
