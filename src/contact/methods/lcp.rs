@@ -141,7 +141,7 @@ impl Lcp {
         }
         if !consistent {
             self.fallback.start(p, &self.points, None);
-            self.fallback.run(&self.points, FALLBACK.0, FALLBACK.1 * fastest);
+            self.fallback.run(p, &self.points, FALLBACK.0, FALLBACK.1 * fastest);
             self.impulses[..count].copy_from_slice(self.fallback.impulses());
             self.points.write_solution(p, &self.impulses[..count], out);
         }

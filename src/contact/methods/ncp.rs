@@ -18,7 +18,11 @@
 //! ```
 //!
 //! D_nn is the point's normal response to its own impulse, D_tt the greatest eigenvalue of the
-//! tangential response, which makes both steps descents. The first is exact for its point. The
+//! tangential response, which makes both steps descents. The first is exact for its point. Within
+//! one sole only its own motion is updated, by W_ss; the other soles follow when its points are done.
+//! Successive points of a sole of more than four vertices are not neighbours, which work against
+//! each other most.
+//! The
 //! error of a sweep is the greatest change of an impulse in it, as a velocity (times D_nn or D_tt),
 //! m/s. Sweeps start from the impulses of the previous step and end at `tolerance` or after
 //! `iterations`, whichever is first. The remaining error shows in the residuals.
@@ -30,15 +34,15 @@
 //! Sources: [Moreau 1988], [Jean 1999]; [Erleben 2007] for the splitting.
 
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput};
-use crate::contact::methods::points::Points;
+use crate::contact::methods::points::{Point, Points};
 use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::Problem;
-use crate::contact::model::solution::Solution;
+use crate::contact::model::solution::{Solution, wrench_at};
 use crate::contact::model::state::States;
 use crate::contact::search::judge::Assessment;
 use crate::contact::search::select::Selection;
 use crate::text::quantity::{count, json, positive};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -95,7 +99,7 @@ impl Ncp {
         let tol = &input.rules.tolerances;
         self.points.gather(p, tol.velocity);
         self.sweeps.start(p, &self.points, Some(out));
-        let error = self.sweeps.run(&self.points, self.parameters.iterations, self.parameters.tolerance);
+        let error = self.sweeps.run(p, &self.points, self.parameters.iterations, self.parameters.tolerance);
         let impulses = self.sweeps.impulses();
         self.points.write_solution(p, impulses, out);
         let states = self.points.states(p, out, |c| {
@@ -132,12 +136,26 @@ impl ContactSolver for Ncp {
     fn respond(&mut self, _: &Problem, _: &States, _: &mut Solution) {}
 }
 
+/// Responses of one point and its sole to an impulse at the point.
+#[derive(Clone, Copy, Debug, Default)]
+struct Own {
+    /// D_nn and D_tt, and their inverses.
+    normal: f64,
+    tangential: f64,
+    inverse: [f64; 2],
+    /// Tangential velocity of the point for a normal impulse.
+    drift: Vector2<f64>,
+    /// Motion of the sole for impulses along x, y and z.
+    motion: [[f64; 6]; 3],
+}
+
 /// The relaxation and its scratch.
 #[derive(Clone, Debug)]
 pub(super) struct Sweeps {
     impulses: Vec<Vector3<f64>>,
-    /// D_nn and D_tt of each point.
-    own: Vec<[f64; 2]>,
+    own: Vec<Own>,
+    /// Points in the order of visits, sole by sole.
+    order: Vec<usize>,
     motion: Vec<f64>,
     count: usize,
 }
@@ -148,7 +166,8 @@ impl Sweeps {
         let most = p.soles.iter().map(|s| s.vertices.len()).sum();
         Sweeps {
             impulses: vec![Vector3::zeros(); most],
-            own: vec![[0.0; 2]; most],
+            own: vec![Own::default(); most],
+            order: Vec::with_capacity(most),
             motion: vec![0.0; p.dim()],
             count: 0,
         }
@@ -158,10 +177,26 @@ impl Sweeps {
     pub fn start(&mut self, p: &Problem, points: &Points, last: Option<&Solution>) {
         self.count = points.list().len();
         self.motion.copy_from_slice(&p.b);
+        self.order.clear();
+        for of_sole in points.list().chunk_by(|a, b| a.sole == b.sole) {
+            let (from, count) = (self.order.len(), of_sole.len());
+            let stride = stride(count);
+            self.order.extend((0..count).map(|i| from + i * stride % count));
+        }
         for (c, point) in points.list().iter().enumerate() {
             let block = points.block(c, c);
             let (mean, half) = (0.5 * (block[(0, 0)] + block[(1, 1)]), 0.5 * (block[(0, 0)] - block[(1, 1)]));
-            self.own[c] = [block[(2, 2)], mean + half.hypot(block[(0, 1)])];
+            let (normal, tangential) = (block[(2, 2)], mean + half.hypot(block[(0, 1)]));
+            self.own[c] = Own {
+                normal,
+                tangential,
+                inverse: [1.0 / normal, 1.0 / tangential],
+                drift: Vector2::new(block[(0, 2)], block[(1, 2)]),
+                motion: std::array::from_fn(|axis| {
+                    let column = &points.column(c, axis)[6 * point.sole..];
+                    std::array::from_fn(|i| column[i])
+                }),
+            };
             self.impulses[c] = last.map_or(Vector3::zeros(), |last| {
                 let normal = last.normal[point.sole][point.vertex].max(0.0) * p.step;
                 let tangent = last.tangent[point.sole][point.vertex] * p.step;
@@ -174,10 +209,10 @@ impl Sweeps {
 
     /// Sweeps until the error is within `tolerance` (m/s), at most `iterations` times. Returns the
     /// error of the last sweep.
-    pub fn run(&mut self, points: &Points, iterations: u32, tolerance: f64) -> f64 {
+    pub fn run(&mut self, p: &Problem, points: &Points, iterations: u32, tolerance: f64) -> f64 {
         let mut error = 0.0;
         for _ in 0..iterations {
-            error = self.sweep(points);
+            error = self.sweep(p, points);
             if error <= tolerance {
                 break;
             }
@@ -190,27 +225,66 @@ impl Sweeps {
         &self.impulses[..self.count]
     }
 
-    fn sweep(&mut self, points: &Points) -> f64 {
-        let mut error: f64 = 0.0;
-        for (c, point) in points.list().iter().enumerate() {
-            let [normal, tangential] = self.own[c];
-            if !(normal > 0.0) {
-                continue;
+    fn sweep(&mut self, p: &Problem, points: &Points) -> f64 {
+        let mut greatest: f64 = 0.0;
+        let mut from = 0;
+        for of_sole in points.list().chunk_by(|a, b| a.sole == b.sole) {
+            let (s, to) = (of_sole[0].sole, from + of_sole.len());
+            let mut motion: [f64; 6] = std::array::from_fn(|i| self.motion[6 * s + i]);
+            let mut wrench = [0.0; 6];
+            for &c in &self.order[from..to] {
+                let point = &points.list()[c];
+                let (change, square) = self.own[c].relax(point, &mut motion, &mut self.impulses[c]);
+                greatest = greatest.max(square);
+                wrench.iter_mut().zip(wrench_at(&point.r, &change)).for_each(|(sum, x)| *sum += x);
             }
-            let p = self.impulses[c];
-            let mut next = p;
-            next.z = (p.z - (points.velocity(c, &self.motion).z - point.target) / normal).max(0.0);
-            points.add_response(c, &Vector3::new(0.0, 0.0, next.z - p.z), &mut self.motion);
-            if tangential > 0.0 {
-                let free = p.xy() - points.velocity(c, &self.motion).xy() / tangential;
-                let t = free.cap_magnitude(point.mu * next.z);
-                (next.x, next.y) = (t.x, t.y);
-            }
-            let change = next - p;
-            points.add_response(c, &Vector3::new(change.x, change.y, 0.0), &mut self.motion);
-            error = error.max(change.z.abs() * normal).max(change.xy().norm() * tangential);
-            self.impulses[c] = next;
+            self.transmit(p, s, &wrench);
+            self.motion[6 * s..6 * s + 6].copy_from_slice(&motion);
+            from = to;
         }
-        error
+        greatest.sqrt()
+    }
+
+    /// Adds the response of the motions to a wrench on sole `s`.
+    fn transmit(&mut self, p: &Problem, s: usize, wrench: &[f64; 6]) {
+        let dim = p.dim();
+        for (m, row) in self.motion.iter_mut().zip(p.w.chunks_exact(dim)) {
+            *m += row[6 * s..6 * s + 6].iter().zip(wrench).map(|(w, x)| w * x).sum::<f64>();
+        }
+    }
+}
+
+/// Greatest stride up to n / 2 that reaches all of `n` points around a sole.
+fn stride(n: usize) -> usize {
+    let divisor = |a: usize, b: usize| (1..=a).rev().find(|d| a.is_multiple_of(*d) && b.is_multiple_of(*d));
+    (1..=n / 2).rev().find(|s| divisor(*s, n) == Some(1)).unwrap_or(1)
+}
+
+impl Own {
+    /// Relaxes the impulse of a point whose sole moves with `motion`. Returns its change and the
+    /// square of the change as a velocity, m^2/s^2.
+    fn relax(&self, point: &Point, motion: &mut [f64; 6], impulse: &mut Vector3<f64>) -> (Vector3<f64>, f64) {
+        if !(self.normal > 0.0) {
+            return (Vector3::zeros(), 0.0);
+        }
+        let v = point.velocity(motion);
+        let (before, [normal, tangential]) = (*impulse, self.inverse);
+        impulse.z = (before.z - (v.z - point.target) * normal).max(0.0);
+        let rise = impulse.z - before.z;
+        if self.tangential > 0.0 {
+            let mut t = before.xy() - (v.xy() + self.drift * rise) * tangential;
+            let (limit, square) = (point.mu * impulse.z, t.norm_squared());
+            if square > limit * limit {
+                t *= limit / square.sqrt();
+            }
+            (impulse.x, impulse.y) = (t.x, t.y);
+        }
+        let change = *impulse - before;
+        let [x, y, z] = &self.motion;
+        for (i, m) in motion.iter_mut().enumerate() {
+            *m += z[i] * change.z + (x[i] * change.x + y[i] * change.y);
+        }
+        let (rise, slip) = (rise * self.normal, change.xy() * self.tangential);
+        (change, (rise * rise).max(slip.norm_squared()))
     }
 }

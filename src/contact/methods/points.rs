@@ -36,6 +36,18 @@ pub struct Point {
     pub mu: f64,
 }
 
+impl Point {
+    /// Velocity when its sole moves with `m`, six numbers.
+    pub fn velocity(&self, m: &[f64]) -> Vector3<f64> {
+        self.frame_velocity(m) + self.bias
+    }
+
+    fn frame_velocity(&self, m: &[f64]) -> Vector3<f64> {
+        let r = &self.r;
+        Vector3::new(m[0] + m[4] * r.z - m[5] * r.y, m[1] + m[5] * r.x - m[3] * r.z, m[2] + m[3] * r.y - m[4] * r.x)
+    }
+}
+
 /// The points of a problem; allocated once.
 #[derive(Clone, Debug)]
 pub struct Points {
@@ -64,14 +76,17 @@ impl Points {
                 }
             }
         }
-        let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
         for (c, point) in self.list.iter().enumerate() {
-            for (axis, direction) in axes.iter().enumerate() {
-                let six = wrench_at(&point.r, direction);
-                let column = &mut self.columns[(3 * c + axis) * self.dim..][..self.dim];
-                for (row, x) in column.iter_mut().enumerate() {
-                    let w = &p.w[row * self.dim + 6 * point.sole..];
-                    *x = w[axis] + w[3] * six[3] + w[4] * six[4] + w[5] * six[5];
+            let columns = &mut self.columns[3 * c * self.dim..][..3 * self.dim];
+            // W is symmetric: its rows are its columns.
+            let w = |k: usize| p.w[(6 * point.sole + k) * self.dim..][..self.dim].iter();
+            for (axis, column) in columns.chunks_exact_mut(self.dim).enumerate() {
+                // Moments of a unit force along the axis: none about the axis itself.
+                let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+                let (about_i, about_j) = (point.r[j], -point.r[i]);
+                let terms = w(axis).zip(w(3 + i)).zip(w(3 + j));
+                for (x, ((force, turn_i), turn_j)) in column.iter_mut().zip(terms) {
+                    *x = force + turn_i * about_i + turn_j * about_j;
                 }
             }
         }
@@ -85,29 +100,29 @@ impl Points {
     /// Velocity of point `c` when the sole frames move with `motion`.
     pub fn velocity(&self, c: usize, motion: &[f64]) -> Vector3<f64> {
         let point = &self.list[c];
-        self.frame_velocity(c, motion) + point.bias
+        point.velocity(&motion[6 * point.sole..6 * point.sole + 6])
     }
 
     fn frame_velocity(&self, c: usize, motion: &[f64]) -> Vector3<f64> {
-        let Point { sole, r, .. } = &self.list[c];
-        let m = &motion[6 * sole..6 * sole + 6];
-        Vector3::new(m[0] + m[4] * r.z - m[5] * r.y, m[1] + m[5] * r.x - m[3] * r.z, m[2] + m[3] * r.y - m[4] * r.x)
+        let point = &self.list[c];
+        point.frame_velocity(&motion[6 * point.sole..6 * point.sole + 6])
     }
 
     /// Adds the response of the motions to an impulse at point `c`.
     pub fn add_response(&self, c: usize, impulse: &Vector3<f64>, motion: &mut [f64]) {
         for (axis, x) in impulse.iter().enumerate() {
-            let column = &self.columns[(3 * c + axis) * self.dim..][..self.dim];
-            motion.iter_mut().zip(column).for_each(|(m, y)| *m += y * x);
+            motion.iter_mut().zip(self.column(c, axis)).for_each(|(m, y)| *m += y * x);
         }
+    }
+
+    /// Response of the motions (6F) to a unit impulse at point `c` along an axis.
+    pub fn column(&self, c: usize, axis: usize) -> &[f64] {
+        &self.columns[(3 * c + axis) * self.dim..][..self.dim]
     }
 
     /// Response of the velocity of point `c` to an impulse at point `d`.
     pub fn block(&self, c: usize, d: usize) -> Matrix3<f64> {
-        let column = |axis: usize| {
-            let at = (3 * d + axis) * self.dim;
-            self.frame_velocity(c, &self.columns[at..at + self.dim])
-        };
+        let column = |axis: usize| self.frame_velocity(c, self.column(d, axis));
         Matrix3::from_columns(&[column(0), column(1), column(2)])
     }
 
