@@ -16,6 +16,10 @@
 //! each other. Impulses are scaled to velocities by the greatest response of a point to its own
 //! impulse, so that all entries are of order one.
 //!
+//! A robot that stands sticks, step after step. So the loaded vertices of the last step are first
+//! tried as static patterns, by one linear solve ([`CandidateSolver`]): a solution with N >= 0,
+//! friction inside the pyramid, v_t = 0 and lambda = 0. Lemke's algorithm runs where this is none.
+//!
 //! When Lemke ends on a ray, at its limit of pivots or with a solution that violates the
 //! conditions, the selection counts as `inconsistent`, and the impulses come from the sweeps of
 //! [`super::ncp`] on the round cone.
@@ -29,11 +33,12 @@
 
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput};
 use crate::contact::methods::ncp::Sweeps;
-use crate::contact::methods::points::Points;
+use crate::contact::methods::points::{Point, Points};
 use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::States;
+use crate::contact::model::state::{Pattern, States};
+use crate::contact::search::candidate::{CandidateSolver, share_static};
 use crate::contact::search::judge::Assessment;
 use crate::contact::search::select::Selection;
 use crate::linalg::lemke::{Lemke, LemkeOutcome};
@@ -99,7 +104,10 @@ impl LcpParameters {
 /// Solver of the method.
 pub struct Lcp {
     directions: Vec<Vector2<f64>>,
+    /// Unit normals of the pyramid's sides.
+    sides: Vec<Vector2<f64>>,
     points: Points,
+    sticking: CandidateSolver,
     lemke: Lemke,
     z: Vec<f64>,
     impulses: Vec<Vector3<f64>>,
@@ -111,9 +119,13 @@ impl Lcp {
     pub fn new(parameters: LcpParameters, p: &Problem) -> Self {
         let most = p.soles.iter().map(|s| s.vertices.len()).sum();
         let unknowns = parameters.unknowns(most);
+        let directions = directions(parameters.facets);
+        let next = directions.iter().cycle().skip(1);
         Lcp {
-            directions: directions(parameters.facets),
+            sides: directions.iter().zip(next).map(|(a, b)| (a + b).normalize()).collect(),
+            directions,
             points: Points::new(p),
+            sticking: CandidateSolver::new(p),
             lemke: Lemke::new(unknowns),
             z: vec![0.0; unknowns],
             impulses: vec![Vector3::zeros(); most],
@@ -127,17 +139,19 @@ impl Lcp {
         let count = self.points.list().len();
         let n = count * (self.directions.len() + 2);
         let fastest = (0..count).map(|c| self.points.velocity(c, &p.b).norm()).fold(f64::MIN_POSITIVE, f64::max);
-        let (mut load, mut consistent) = (0.0, false);
+        let greatest = (0..count).map(|c| self.points.block(c, c).trace()).fold(0.0, f64::max);
+        let unit = if greatest > 0.0 { 1.0 / greatest } else { 1.0 };
+        let load = unit * fastest;
+        let mut consistent = self.stick(p, out) && self.violation(out, load, fastest) <= VIOLATION * fastest;
         for tie in TIES {
-            let unit = self.assemble(p);
-            load = unit * fastest;
+            if consistent {
+                break;
+            }
+            self.assemble(p, unit);
             let (end, _) = self.lemke.solve(&mut self.z[..n], tie);
             self.read_impulses(unit);
             self.points.write_solution(p, &self.impulses[..count], out);
             consistent = end == LemkeOutcome::Solved && self.violation(out, load, fastest) <= VIOLATION * fastest;
-            if consistent {
-                break;
-            }
         }
         if !consistent {
             self.fallback.start(p, &self.points, None);
@@ -156,13 +170,53 @@ impl Lcp {
         }
     }
 
-    /// Fills M and q; returns the unit of impulses, so that N is a velocity times it.
-    fn assemble(&mut self, p: &Problem) -> f64 {
+    /// Solves for the vertices that carried load in the last step as static patterns. Returns whether
+    /// all impulses are at points, push, and are inside the pyramid without any tolerance: a limit is
+    /// met exactly.
+    fn stick(&mut self, p: &Problem, out: &mut Solution) -> bool {
+        let states = self.points.states(p, out, |_| false);
+        self.sticking.solve(p, &states, out);
+        for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| states[*s].pattern == Pattern::Face) {
+            // The pressure rule takes moments about a point at the height of the vertices.
+            let height = sole.vertices.iter().map(|v| v.r.z).sum::<f64>() / sole.vertices.len() as f64;
+            let w = &mut out.wrench[6 * s..6 * s + 6];
+            (w[3], w[4]) = (w[3] + height * w[1], w[4] - height * w[0]);
+        }
+        share_static(p, &states, out);
+        let mut at_points = 0;
+        for (impulse, point) in self.impulses.iter_mut().zip(self.points.list()) {
+            let (normal, tangent) = (out.normal[point.sole][point.vertex], out.tangent[point.sole][point.vertex]);
+            *impulse = Vector3::new(tangent.x, tangent.y, normal);
+            at_points += usize::from(normal != 0.0);
+        }
+        let middle = self.middle();
+        let loaded = out.normal.iter().flatten().filter(|n| **n != 0.0).count();
+        let impulses = &self.impulses[..self.points.list().len()];
+        let inside = |(point, impulse): (&Point, &Vector3<f64>)| {
+            impulse.z >= 0.0 && self.farthest(impulse) <= point.mu * impulse.z * middle
+        };
+        let valid = loaded == at_points && self.points.list().iter().zip(impulses).all(inside);
+        if valid {
+            self.points.write_solution(p, impulses, out);
+        }
+        valid
+    }
+
+    /// Distance of the pyramid's sides from its axis, as part of mu N.
+    fn middle(&self) -> f64 {
+        (std::f64::consts::PI / self.directions.len() as f64).cos()
+    }
+
+    /// Greatest tangential impulse across a side of the pyramid.
+    fn farthest(&self, impulse: &Vector3<f64>) -> f64 {
+        self.sides.iter().map(|side| side.dot(&impulse.xy())).fold(0.0, f64::max)
+    }
+
+    /// Fills M and q, with impulses in units of `unit`, so that N is a velocity.
+    fn assemble(&mut self, p: &Problem, unit: f64) {
         let (points, e) = (&self.points, &self.directions);
         let (count, m) = (points.list().len(), e.len());
         let size = m + 2;
-        let greatest = (0..count).map(|c| points.block(c, c).trace()).fold(0.0, f64::max);
-        let unit = if greatest > 0.0 { 1.0 / greatest } else { 1.0 };
         self.lemke.begin(count * size);
         for (c, point) in points.list().iter().enumerate() {
             let first = c * size;
@@ -192,7 +246,6 @@ impl Lcp {
             self.lemke.set_constant(first, free.z - point.target);
             (0..m).for_each(|j| self.lemke.set_constant(first + 1 + j, e[j].dot(&free.xy())));
         }
-        unit
     }
 
     /// Reads the impulses from the unknowns.
@@ -209,17 +262,14 @@ impl Lcp {
     /// load, and sliding without full friction. Products are divided by the impulse `load`.
     /// Friction beyond the pyramid is converted to a velocity by `fastest / load`.
     fn violation(&self, out: &Solution, load: f64, fastest: f64) -> f64 {
-        let m = self.directions.len();
-        let middle = (std::f64::consts::PI / m as f64).cos();
+        let middle = self.middle();
         let mut greatest: f64 = 0.0;
         for (c, (point, impulse)) in self.points.list().iter().zip(&self.impulses).enumerate() {
             let v = self.points.velocity(c, &out.motion);
             let gap = v.z - point.target;
             let speed = self.directions.iter().map(|e| -e.dot(&v.xy())).fold(0.0, f64::max);
             let opposed = point.mu * impulse.z * speed + impulse.xy().dot(&v.xy());
-            let sides = (0..m).map(|j| (self.directions[j] + self.directions[(j + 1) % m]).normalize());
-            let farthest = sides.map(|side| side.dot(&impulse.xy())).fold(0.0, f64::max);
-            let outside = farthest - point.mu * impulse.z.max(0.0) * middle;
+            let outside = self.farthest(impulse) - point.mu * impulse.z.max(0.0) * middle;
             greatest = greatest.max(-gap).max(gap.abs() * impulse.z / load).max(opposed.abs() / load);
             greatest = greatest.max(outside.max(-impulse.z) * fastest / load);
         }
