@@ -14,7 +14,8 @@
 //! F(m) = m - b - dt W J^T f(m) = 0        (1 + W A) dm = -F        A = -dt J^T f'(u) J
 //! ```
 //!
-//! whose A is not symmetric, as friction follows the normal force.
+//! whose A is not symmetric, as friction follows the normal force. The steps begin at the motions at
+//! the end of the last step.
 
 use crate::contact::methods::penalty::PenaltyParameters;
 use crate::contact::model::problem::{Problem, Vertex};
@@ -63,10 +64,10 @@ impl Step {
         }
     }
 
-    /// Writes the impulses of the vertices over `dt` to `out`.
+    /// Writes the impulses of the vertices over `dt` to `out`, which contains the last solution.
     pub fn solve(&mut self, p: &Problem, dt: f64, out: &mut Solution) {
         let target = self.law.slip_velocity;
-        self.motion.copy_from_slice(&p.b);
+        self.motion.copy_from_slice(&out.motion);
         if !self.iterate(p, dt) {
             let fastest = p.vertex_indices().map(|(s, i)| p.vertex_motion(&p.b, s, i).norm()).fold(0.0, f64::max);
             self.motion.copy_from_slice(&p.b);
@@ -175,17 +176,20 @@ impl Step {
             let mut block = [[0.0; 6]; 6];
             for (i, v) in sole.vertices.iter().enumerate() {
                 let k = self.stiffening(v, &p.vertex_motion(&self.motion, s, i), dt);
-                let axes = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| wrench_at(&v.r, &axis));
-                for (a, b) in (0..3).flat_map(|a| (0..3).map(move |b| (a, b))).filter(|&ab| k[ab] != 0.0) {
-                    for (row, x) in block.iter_mut().zip(axes[a]) {
-                        row.iter_mut().zip(axes[b]).for_each(|(sum, y)| *sum += k[(a, b)] * x * y);
-                    }
+                if k[(2, 2)] == 0.0 {
+                    continue;
+                }
+                // J^T (k J), J the motion of the vertex: its rows, and its columns, are wrenches.
+                let rows = [0, 1, 2].map(|a| wrench_at(&v.r, &k.row(a).transpose()));
+                for (c, column) in block.iter_mut().enumerate() {
+                    let one = wrench_at(&v.r, &Vector3::new(rows[0][c], rows[1][c], rows[2][c]));
+                    column.iter_mut().zip(one).for_each(|(sum, x)| *sum += x);
                 }
             }
-            for i in 0..n {
-                let w = &p.w[i * n + 6 * s..i * n + 6 * s + 6];
-                for c in 0..6 {
-                    self.matrix[i * n + 6 * s + c] = w.iter().zip(&block).map(|(w, a)| w * a[c]).sum();
+            for (w, row) in p.w.chunks_exact(n).zip(self.matrix.chunks_exact_mut(n)) {
+                let w = &w[6 * s..6 * s + 6];
+                for (entry, column) in row[6 * s..].iter_mut().zip(&block) {
+                    *entry = w.iter().zip(column).map(|(w, a)| w * a).sum();
                 }
             }
         }
@@ -193,7 +197,7 @@ impl Step {
             self.matrix[i * n + i] += 1.0;
             self.change[i] = -f;
         }
-        self.linear.solve(&mut self.matrix, &mut self.change);
+        self.linear.solve_regular(&mut self.matrix, &mut self.change);
     }
 
     /// Is the change from `motion` to the trial motions negligible?
