@@ -31,11 +31,11 @@ use crate::linalg::linear::Linear;
 use nalgebra::{Vector2, Vector3};
 
 /// Six numbers: a wrench or a row over a sole's motion.
-pub(super) type Six = [f64; 6];
+type Six = [f64; 6];
 
 /// A unit of wrench, or a row over a sole's motion.
 #[derive(Clone, Copy, Debug)]
-enum Direction {
+pub(super) enum Direction {
     /// This number at this position, zero elsewhere.
     Axis(usize, f64),
     General(Six),
@@ -43,7 +43,7 @@ enum Direction {
 
 impl Direction {
     /// Product with six numbers.
-    fn dot(&self, x: &[f64]) -> f64 {
+    pub(super) fn dot(&self, x: &[f64]) -> f64 {
         match self {
             Direction::Axis(axis, size) => x[*axis] * size,
             Direction::General(six) => dot(x, six),
@@ -51,7 +51,7 @@ impl Direction {
     }
 
     /// Adds the direction times `size`.
-    fn add_to(&self, size: f64, sum: &mut [f64]) {
+    pub(super) fn add_to(&self, size: f64, sum: &mut [f64]) {
         match self {
             Direction::Axis(axis, unit) => sum[*axis] += unit * size,
             Direction::General(six) => sum.iter_mut().zip(six).for_each(|(sum, x)| *sum += x * size),
@@ -73,6 +73,9 @@ impl Direction {
         }
     }
 }
+
+/// Unknowns and conditions of one sole: its index, a wrench or a row, and the right-hand side.
+pub(super) type Terms<'a> = (&'a [(usize, Direction)], &'a [(usize, Direction, f64)]);
 
 /// Scratch of the candidate solve, allocated once.
 #[derive(Clone, Debug)]
@@ -236,7 +239,7 @@ impl CandidateSolver {
 
     /// Unknowns (a wrench each) and conditions (row and right-hand side) of sole `s` alone in `state`.
     /// Ends the validity of [`response`](Self::response).
-    pub(super) fn terms(&mut self, p: &Problem, s: usize, state: SoleState) -> (&[(usize, Six)], &[(usize, Six, f64)]) {
+    pub(super) fn terms(&mut self, p: &Problem, s: usize, state: SoleState) -> Terms<'_> {
         self.columns.clear();
         self.rows.clear();
         self.build(s, &p.soles[s], state);

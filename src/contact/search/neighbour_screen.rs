@@ -79,23 +79,24 @@ impl NeighbourScreen {
         let (columns, rows) = solver.terms(p, s, state);
         let n = columns.len();
         let (mut a, mut x) = ([0.0; 36], [0.0; 6]);
-        let dot = |a: &[f64; 6], b: &[f64; 6]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let mut moved = [[0.0; 6]; 6];
         for (moved, (_, b)) in moved.iter_mut().zip(columns) {
-            for (column, b) in self.response.iter().zip(b) {
-                moved.iter_mut().zip(column).for_each(|(m, g)| *m += g * b);
+            let mut unit = [0.0; 6];
+            b.add_to(1.0, &mut unit);
+            for (column, size) in self.response.iter().zip(unit) {
+                moved.iter_mut().zip(column).for_each(|(m, g)| *m += g * size);
             }
         }
         for (r, (_, row, target)) in rows.iter().enumerate() {
-            x[r] = target - dot(row, &self.free);
-            (0..n).for_each(|c| a[r * n + c] = dot(row, &moved[c]));
+            x[r] = target - row.dot(&self.free);
+            (0..n).for_each(|c| a[r * n + c] = row.dot(&moved[c]));
         }
         if n > 0 && self.linear.solve(&mut a[..n * n], &mut x[..n]) < n {
             return false;
         }
         let (mut wrench, mut motion) = ([0.0; 6], self.free);
         for ((x, (_, b)), moved) in x.iter().zip(columns).zip(&moved) {
-            wrench.iter_mut().zip(b).for_each(|(w, b)| *w += b * x);
+            b.add_to(*x, &mut wrench);
             motion.iter_mut().zip(moved).for_each(|(m, g)| *m += g * x);
         }
         let pulls = |n: f64| n < -CLEAR * p.scale;

@@ -54,8 +54,11 @@ const BETWEEN_READINGS: usize = 20;
 /// Candidates tested before the contact problem is solved to its accuracy.
 const EARLY: usize = 4;
 
-/// Greatest relative residual of a contact problem whose solution is taken as it is.
-const LEAST_ACCURATE: f64 = 1e-5;
+/// Relative residual of a contact problem from which it is solved again without a start, and the
+/// greatest with which its solution is taken as it is. Forces are within their cones in any case;
+/// error control sees what the residual does to the motion.
+const ACCURATE: f64 = 1e-6;
+const LEAST_ACCURATE: f64 = 1e-3;
 
 /// Force of a vertex that carries, relative to the greatest.
 const CARRIES: f64 = 1e-6;
@@ -261,7 +264,7 @@ impl Selector {
         let near = |s: usize, i: usize| p.soles[s].vertices[i].near;
         self.points.begin(p, near, Some((out, p.step)));
         self.points.advance(p, usize::MAX);
-        if self.points.residual() > LEAST_ACCURATE && self.points.solve(p, near) > LEAST_ACCURATE {
+        if self.points.residual() > ACCURATE && self.points.solve(p, near) > LEAST_ACCURATE {
             return None;
         }
         let states = self.points.states(p, 0.0);

@@ -24,8 +24,9 @@
 use super::semi_implicit::{apply_step, evaluate_step, set_velocity_problem};
 use super::step_size::StepSize;
 use crate::contact::model::state::States;
-use crate::integrate::StepControl;
+use crate::integrate::{StepControl, error_norm};
 use crate::sim::event_kind::EventKind;
+use crate::sim::plant::StateLayout;
 use crate::sim::report::Observer;
 use crate::sim::run::RunState;
 use crate::sim::run_error::RunError;
@@ -179,7 +180,7 @@ impl SlidingMode {
             let jump_of_halves = sim.energy.jump_work - jumps;
             let factor = match *size {
                 StepSize::Controlled { relative, absolute, .. } => {
-                    control.factor(self.error(relative, absolute, layout.controlled()))
+                    control.factor(self.error(relative, absolute, &layout))
                 }
                 StepSize::Fixed(_) => 1.0,
             };
@@ -238,14 +239,12 @@ impl SlidingMode {
         sim.plant.directions.clone_from(&self.directions);
     }
 
-    /// Greatest difference of the results of one step and of two halves, relative to the tolerances
+    /// Norm of the difference between the results of one step and of two halves, by the tolerances
     /// to the power of 2/3.
-    fn error(&self, relative: f64, absolute: f64, controlled: usize) -> f64 {
-        let [relative, absolute] = [relative, absolute].map(|tolerance| tolerance.cbrt() * tolerance.cbrt());
-        let pairs = self.whole[..controlled].iter().zip(&self.halves).zip(&self.start);
-        pairs.fold(0.0, |worst: f64, ((whole, halves), start)| {
-            let ratio = (halves - whole).abs() / (absolute + relative * start.abs().max(halves.abs()));
-            if ratio.is_finite() { worst.max(ratio) } else { f64::INFINITY }
-        })
+    fn error(&self, relative: f64, absolute: f64, layout: &StateLayout) -> f64 {
+        let two_thirds = |tolerance: f64| tolerance.cbrt() * tolerance.cbrt();
+        let tolerances = (two_thirds(relative), two_thirds(absolute));
+        let difference = |i: usize| self.halves[i] - self.whole[i];
+        error_norm(layout.error_groups(), tolerances, [&self.start, &self.halves], difference)
     }
 }
