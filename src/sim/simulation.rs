@@ -105,6 +105,7 @@ impl Simulation {
             saved: Vec::new(),
             duration: setup.duration,
             fallen_below: setup.fallen_below,
+            last_collision: f64::NEG_INFINITY,
             stall_guard: StallGuard::default(),
             plant,
         };

@@ -49,7 +49,9 @@ const DEPENDENT: f64 = 1e-12;
 /// motions by which states differ, far above rounding.
 const ACCURATE: f64 = 1e-9;
 /// Tangential motion of a vertex that slips, relative to the motion without contact.
-const SLIPS: f64 = 1e-6;
+pub const SLIPS: f64 = 1e-6;
+/// The same as far as the solution is accurate.
+pub const LEAST_SLIPS: f64 = 1e-8;
 /// Most points.
 const MAX_POINTS: usize = 128;
 
@@ -379,9 +381,9 @@ impl PointForces {
     }
 
     /// The states that the solution indicates: the smallest pattern over the carrying vertices, those
-    /// with more than `least` of the greatest force. It slides if they slip, about the only one that
-    /// does not.
-    pub fn states(&self, p: &Problem, least: f64) -> States {
+    /// with more than `least` of the greatest force. It slides if they slip by more than `slips` of
+    /// the motion without contact, about the only one that does not.
+    pub fn states(&self, p: &Problem, least: f64, slips: f64) -> States {
         let mut states = States::default();
         let load = self.points.iter().map(|point| point.split.z).fold(0.0, f64::max);
         let drive = self.drive();
@@ -390,8 +392,8 @@ impl PointForces {
             let (mut carrying, mut slipping) = (0u64, 0u64);
             for point in self.points.iter().filter(|point| point.sole == s && point.split.z > least * load) {
                 carrying |= 1 << point.vertex;
-                let slips = point.direction.is_some() || point.dual.xy().norm() > SLIPS * drive;
-                slipping |= u64::from(slips) << point.vertex;
+                let moves = point.direction.is_some() || point.dual.xy().norm() > slips * drive;
+                slipping |= u64::from(moves) << point.vertex;
             }
             let pattern = Pattern::covering(k, |i| carrying >> i & 1 == 1);
             if pattern == Pattern::Free {

@@ -31,7 +31,7 @@ use crate::contact::search::candidate::{CandidateSolver, share_static};
 use crate::contact::search::judge::{Assessment, MOST_ROUNDING, Rules, SUSPECT_FRICTION, judge, margin, onset};
 use crate::contact::search::moves::Moves;
 use crate::contact::search::neighbour_screen::NeighbourScreen;
-use crate::contact::search::point_forces::PointForces;
+use crate::contact::search::point_forces::{LEAST_SLIPS, PointForces, SLIPS};
 use crate::contact::search::sliding_directions::{self, DirectionFinder, Onset, Slips};
 use nalgebra::{Vector2, Vector3};
 use schemars::JsonSchema;
@@ -54,11 +54,13 @@ const BETWEEN_READINGS: usize = 20;
 /// Candidates tested before the contact problem is solved to its accuracy.
 const EARLY: usize = 4;
 
-/// Relative residual of a contact problem from which it is solved again without a start, and the
-/// greatest with which its solution is taken as it is. Forces are within their cones in any case;
-/// error control sees what the residual does to the motion.
-const ACCURATE: f64 = 1e-6;
-const LEAST_ACCURATE: f64 = 1e-3;
+/// Relative residuals at which the solution of a contact problem is taken as it is: at once, after
+/// [`MANY`] iterations, and at all. Forces are within their cones in any case; error control sees
+/// what the residual does to the motion.
+const TAKEN: f64 = 1e-7;
+const TAKEN_LATE: f64 = 1e-5;
+const TAKEN_LAST: f64 = 1e-3;
+const MANY: usize = 200;
 
 /// Force of a vertex that carries, relative to the greatest.
 const CARRIES: f64 = 1e-6;
@@ -263,11 +265,15 @@ impl Selector {
     pub fn solve_points(&mut self, p: &Problem, out: &mut Solution) -> Option<States> {
         let near = |s: usize, i: usize| p.soles[s].vertices[i].near;
         self.points.begin(p, near, Some((out, p.step)));
-        self.points.advance(p, usize::MAX);
-        if self.points.residual() > ACCURATE && self.points.solve(p, near) > LEAST_ACCURATE {
+        let mut iterations = 0;
+        while !self.points.is_done() && self.points.residual() > if iterations < MANY { TAKEN } else { TAKEN_LATE } {
+            self.points.advance(p, BETWEEN_READINGS);
+            iterations += BETWEEN_READINGS;
+        }
+        if self.points.residual() > TAKEN_LAST && self.points.solve(p, near) > TAKEN_LAST {
             return None;
         }
-        let states = self.points.states(p, 0.0);
+        let states = self.points.states(p, 0.0, SLIPS);
         out.normal.iter_mut().for_each(|normal| normal.fill(0.0));
         out.tangent.iter_mut().for_each(|tangent| tangent.fill(Vector2::zeros()));
         self.points.forces().for_each(|(s, i, force)| out.set_vertex_force(s, i, force));
@@ -395,7 +401,7 @@ impl Selector {
         let mut early = 0;
         while !self.points.is_done() && !self.is_found() {
             self.points.advance(task.p, BETWEEN_READINGS);
-            let states = self.points.states(task.p, self.carries());
+            let states = self.points.states(task.p, self.carries(), SLIPS);
             if early < EARLY && last == Some(states) && !self.queue.iter().any(|e| e.states == states && e.guessed) {
                 early += 1;
                 self.push_solution(task, &states);
@@ -403,8 +409,12 @@ impl Selector {
             last = Some(states);
         }
         if !self.is_found() {
-            for least in [self.carries(), 1e3 * CARRIES.max(self.points.residual())] {
-                let states = self.points.states(task.p, least);
+            let (some, many) = (self.carries(), 1e3 * CARRIES.max(self.points.residual()));
+            for (least, slips) in [(some, SLIPS), (some, LEAST_SLIPS), (many, SLIPS)] {
+                if self.is_found() {
+                    break;
+                }
+                let states = self.points.states(task.p, least, slips);
                 self.push_solution(task, &states);
                 if !self.is_found() {
                     self.complete(task, &states);

@@ -146,6 +146,9 @@ impl RunState {
         let loss = -jump.contact;
         self.energy.add_jump(jump);
         self.metrics.impacts += 1;
+        if fastest > tol.velocity {
+            self.last_collision = self.plant.state.time;
+        }
         let (t, after) = (self.plant.state.time, self.plant.kinetic_energy());
         self.milestones.record_impact(t, after, loss, &mut self.metrics);
         self.count(&selection);

@@ -86,6 +86,8 @@ pub struct RunState {
     pub duration: f64,
     /// Height of the base above the floor below which the robot has fallen, m.
     pub fallen_below: Option<f64>,
+    /// Time of the last impact faster than the velocity tolerance, s.
+    pub last_collision: f64,
     /// Detects a stalled run.
     pub stall_guard: StallGuard,
 }

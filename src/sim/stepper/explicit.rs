@@ -202,10 +202,9 @@ impl ExplicitStepper {
         if event {
             sim.metrics.events += u64::from(sim.locates_events());
             self.functions.suspects(&self.right, &mut sim.suspect);
-            let impacts = sim.metrics.impacts;
             sim.choose_states_with_rest(stops, observer)?;
             if sim.locates_events() {
-                self.sliding_mode.record(sim, sim.metrics.impacts > impacts, observer)?;
+                self.sliding_mode.record(sim, observer)?;
             }
         } else {
             // Without an event the present states are the only candidate, which the event functions

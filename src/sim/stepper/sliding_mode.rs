@@ -3,7 +3,7 @@
 //! Several states may each drive the motion out of themselves and into the next, so that none is
 //! valid for longer than some microseconds; the motion is then a sliding mode [Filippov 1988]. It
 //! is detected by [`EVENTS`] events in a row that take at most [`FAST`] each, return to the same
-//! few states, and include no impact. The run then advances by velocity-level steps
+//! few states, and include no impact faster than v_t. The run then advances by velocity-level steps
 //! ([`super::semi_implicit`], [Moreau 1988]), which need no state that is valid at every instant:
 //! the contact laws hold for the velocities at the end of a step and the impulses over it.
 //!
@@ -104,13 +104,12 @@ impl SlidingMode {
         self.is_active = false;
     }
 
-    /// Records the states chosen at an event; `impacts` have occurred at it. Begins a mode if the
-    /// states alternate.
-    pub fn record(&mut self, sim: &mut RunState, impacts: bool, observer: &mut dyn Observer) -> Result<(), RunError> {
+    /// Records the states chosen at an event. Begins a mode if the states alternate.
+    pub fn record(&mut self, sim: &mut RunState, observer: &mut dyn Observer) -> Result<(), RunError> {
         let t = sim.plant.state.time;
         self.recent.rotate_right(1);
         self.recent[0] = (t, sim.plant.states);
-        self.count = if impacts { 0 } else { self.count + 1 };
+        self.count = if sim.last_collision == t { 0 } else { self.count + 1 };
         let needed = if t < self.passed { EVENTS_AGAIN } else { EVENTS };
         if self.count < needed || t - self.recent[needed - 1].0 > FAST * needed as f64 {
             return Ok(());
