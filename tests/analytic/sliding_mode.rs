@@ -23,8 +23,8 @@ fn a_sliding_mode_moves_as_the_run_that_locates_every_event() {
     let (m, recording) = watch(SCENARIO);
     let (position, yaw) = RESOLVED;
     // The integrator: with a tenth of the tolerances the resolved run moves by 1e-8 m and 3e-8 rad.
-    for axis in 0..3 {
-        assert!((m.final_base_position[axis] - position[axis]).abs() < 3e-8, "{:?}", m.final_base_position);
+    for (end, resolved) in m.final_base_position.iter().zip(position) {
+        assert!((end - resolved).abs() < 3e-8, "{:?}", m.final_base_position);
     }
     assert!((m.final_base_rpy[2] - yaw).abs() < 1e-7, "{:?}", m.final_base_rpy);
     assert!(m.sliding_mode_s > 1e-4 && m.sliding_mode_s < 0.02, "{}", m.sliding_mode_s);

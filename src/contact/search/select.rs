@@ -54,6 +54,9 @@ const BETWEEN_READINGS: usize = 20;
 /// Candidates tested before the contact problem is solved to its accuracy.
 const EARLY: usize = 4;
 
+/// Relative residual up to which the solution of a fixed step stands without a valid state.
+const SOLVED: f64 = 1e-8;
+
 /// Relative residuals at which the solution of a contact problem is taken as it is: at once, after
 /// [`MANY`] iterations, and at all. Forces are within their cones in any case; error control sees
 /// what the residual does to the motion.
@@ -250,6 +253,13 @@ impl Selector {
         let mut task = Task { p, rules: *rules, allowed, out, tested: 0 };
         let direct = self.order == SearchOrder::Direct;
         let found = direct && self.search_near(&mut task, starts, unchanged);
+        if direct
+            && !found
+            && let Some(states) = self.point_solution(&mut task)
+        {
+            let assessment = Assessment::default();
+            return Selection { states, tested: task.tested, full: false, consistent: true, assessment };
+        }
         if !found {
             self.search_all(&mut task, &starts[starts.len() - 1], unchanged);
         }
@@ -273,12 +283,36 @@ impl Selector {
         if self.points.residual() > TAKEN_LAST && self.points.solve(p, near) > TAKEN_LAST {
             return None;
         }
-        let states = self.points.states(p, 0.0, SLIPS);
+        Some(self.take_points(p, out, SLIPS))
+    }
+
+    /// Leaves the forces of the last point solution in `out`. Returns the states that it indicates.
+    fn take_points(&self, p: &Problem, out: &mut Solution, slips: f64) -> States {
         out.normal.iter_mut().for_each(|normal| normal.fill(0.0));
         out.tangent.iter_mut().for_each(|tangent| tangent.fill(Vector2::zeros()));
         self.points.forces().for_each(|(s, i, force)| out.set_vertex_force(s, i, force));
         out.gather_vertex_forces(p);
         out.inside = [true; MAX_SOLES];
+        self.points.states(p, 0.0, slips)
+    }
+
+    /// The point solution of a fixed step and its states, if it is accurate: it obeys the contact laws
+    /// at every vertex, whatever the states that tests found invalid. Impacts need a state, whose
+    /// restitution is that of the whole sole.
+    fn point_solution(&mut self, task: &mut Task) -> Option<States> {
+        if task.p.level == Level::Acceleration || task.p.step == 0.0 || self.points.residual() > SOLVED {
+            return None;
+        }
+        let states = self.take_points(task.p, task.out, LEAST_SLIPS);
+        if !(0..task.p.soles.len()).all(|s| (task.allowed)(s, states[s])) {
+            return None;
+        }
+        for s in 0..task.p.soles.len() {
+            for i in 0..task.p.soles[s].vertices.len() {
+                let t = task.p.vertex_motion(&task.out.motion, s, i).xy();
+                task.p.soles[s].vertices[i].direction = t.try_normalize(0.0).unwrap_or_default();
+            }
+        }
         Some(states)
     }
 
