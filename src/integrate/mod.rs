@@ -2,7 +2,7 @@
 //!
 //! A small [`System`] trait, explicit Runge-Kutta methods with dense output ([`RungeKutta`]; one
 //! [`Tableau`] per method: `dopri5`, `bs23`, `rk4`), a Rosenbrock method for a stiff part of low
-//! rank ([`Rosenbrock`]), step-size control ([`StepControl`], [`error_norm`]) and event location on dense
+//! rank ([`Rosenbrock`]), step-size control ([`StepControl`], `error_norm`) and event location on dense
 //! output ([`event_location`]). A new explicit method is one file with a tableau.
 //!
 //! `sim` steps with it, `assemble` chooses the tableau.

@@ -23,7 +23,7 @@
 //!
 //! The iteration is a map of `x = f + l / rho`, from which y = P_K(x) and l = rho (x - y) follow.
 //! Alone it needs thousands of iterations where many vertices of a sole share a load. Anderson's
-//! acceleration [Walker 2011] combines the last [`MEMORY`] of them: of all combinations of their
+//! acceleration [Walker 2011] combines the last 20 of them: of all combinations of their
 //! results it takes that with the least change, which ends in a few iterations once the set of
 //! carrying and slipping vertices is found, as the map is then smooth. It starts anew where the
 //! change grows.

@@ -4,7 +4,8 @@
 //! judges it ([`judge`](super::judge)). Candidates wait in a priority queue ordered by
 //! [`Assessment::compare`]. The best is expanded by the local [`moves`](super::moves) that its faults
 //! suggest; no candidate is tested twice. A search ends at the first valid candidate that none of its
-//! smaller neighbours beats, or without one after its limit.
+//! smaller neighbours beats, or without one after its limit. Neighbours of a valid candidate that
+//! [`neighbour_screen`](super::neighbour_screen) excludes are not tested.
 //!
 //! The order `direct` searches
 //!
@@ -13,7 +14,7 @@
 //!    ([`point_forces`](super::point_forces));
 //! 3. near those of the same with vertices sliding whose slow normal motion is about to be settled;
 //! 4. near those of the same without vertices that leave the floor, with slow hops allowed;
-//! 5. as the order `paper`.
+//! 5. as the order `paper`; a fixed step takes the point solution itself instead, if it is accurate.
 //!
 //! The order `paper` is the best-first search of [Hale 2008], section III.A, without limit, from the
 //! state that continuity suggests. If the queue empties first:

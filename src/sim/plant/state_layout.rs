@@ -5,7 +5,7 @@
 //! every step. The energy flows ([`EnergyFlows`]) are not under error control.
 //!
 //! Error control must not depend on where the world's x and y point. It therefore takes components
-//! that a turn about the vertical mixes as one ([`crate::integrate::error_norm`]): x and y of
+//! that a turn about the vertical mixes as one (`integrate::error_norm`): x and y of
 //! position, velocity and angular velocity, and the pairs (i, j) and (k, w) of the quaternion, as a
 //! turn by a is the product with (0, 0, sin a/2, cos a/2). Their norms are the sine and cosine of
 //! half the tilt from the vertical.
