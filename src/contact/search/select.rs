@@ -4,8 +4,8 @@
 //! judges it ([`judge`](super::judge)). Candidates wait in a priority queue ordered by
 //! [`Assessment::compare`]. The best is expanded by the local [`moves`](super::moves) that its faults
 //! suggest; no candidate is tested twice. A search ends at the first valid candidate that none of its
-//! smaller neighbours beats, or without one after its limit. Neighbours of a valid candidate that
-//! [`neighbour_screen`](super::neighbour_screen) excludes are not tested.
+//! smaller neighbours beats, or without one after its limit. In the order `direct` neighbours of a
+//! valid candidate that [`neighbour_screen`](super::neighbour_screen) excludes are not tested.
 //!
 //! The order `direct` searches
 //!
@@ -262,7 +262,10 @@ impl Selector {
             return Selection { states, tested: task.tested, full: false, consistent: true, assessment };
         }
         if !found {
-            self.search_all(&mut task, &starts[starts.len() - 1], unchanged);
+            // From rest, as in the paper.
+            let slides = |states: &&States| (0..task.p.soles.len()).filter(|&s| states[s].is_dynamic()).count();
+            let start = *starts.iter().min_by_key(slides).expect("at least one start");
+            self.search_all(&mut task, &start, unchanged);
         }
         let best = self.best();
         // Leave the chosen candidate's solution and directions in place.
@@ -496,12 +499,12 @@ impl Selector {
                 break;
             }
             let soles = task.p.soles.len();
-            let valid = entry.assessment.valid() && !completing;
+            let screens = self.order == SearchOrder::Direct && entry.assessment.valid() && !completing;
             for s in 0..soles {
                 let faults = entry.assessment.faults[s];
                 let mut moves = Moves::default();
                 moves.suggest(task.p, s, entry.states[s], faults, entry.assessment.valid());
-                if valid && !moves.states().is_empty() {
+                if screens && !moves.states().is_empty() {
                     self.restore(task, &entry);
                     self.screen.condense(&mut self.solver, task.p, &entry.states, s);
                     let (screen, solver) = (&mut self.screen, &mut self.solver);

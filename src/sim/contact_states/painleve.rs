@@ -39,15 +39,19 @@ impl RunState {
 
     /// Speed, m/s, up to which to set vertices to rest because the slip of one of them jams, but is
     /// too slow for the impact law to resolve its end: the approach that stands for a vanishing one
-    /// is no longer small. Needs a free evaluation for which no valid state was found.
-    pub(in crate::sim) fn slow_jamming_slip(&mut self) -> Option<f64> {
+    /// is no longer small. Reports the jam. Needs a free evaluation for which no valid state was found.
+    pub(in crate::sim) fn slow_jamming_slip(&mut self, observer: &mut dyn Observer) -> Result<Option<f64>, RunError> {
         if !self.locates_events() {
-            return None;
+            return Ok(None);
         }
-        let load = self.least_sliding_load().filter(SlidingLoad::drives_into_floor)?;
+        let Some(load) = self.least_sliding_load().filter(SlidingLoad::drives_into_floor) else { return Ok(None) };
         let (s, i) = load.at;
         let slip = self.plant.problem.soles[s].vertices[i].velocity.xy().norm();
-        (slip <= SLOW && slip > self.plant.rest).then_some(ABOVE * slip)
+        if slip > SLOW || slip <= self.plant.rest {
+            return Ok(None);
+        }
+        self.report_jam(&load, &format!("slip of {slip:.3e} m/s set to rest"), observer)?;
+        Ok(Some(ABOVE * slip))
     }
 
     /// Applies the impulse of a jam, if there is one.

@@ -58,7 +58,7 @@ impl RunState {
             if invalid && round < ROUNDS && self.resolve_jam(observer)? {
                 continue;
             }
-            if invalid && let Some(slip) = self.slow_jamming_slip() {
+            if invalid && let Some(slip) = self.slow_jamming_slip(observer)? {
                 return self.choose_states_with_rest(slip, observer);
             }
             if invalid {
