@@ -92,6 +92,7 @@ impl Simulation {
             milestones: Milestones::new(&plant),
             suspect: [0; MAX_SOLES],
             anchors: model.soles.iter().map(|s| vec![Vector3::zeros(); s.vertices.len()]).collect(),
+            before_selection: projection.clone(),
             projection,
             displacement: vec![0.0; model.nv()],
             recorded_problem: None,

@@ -1,6 +1,7 @@
 //! Contact solvers on problems built by hand, without robots or stepping.
 
 mod capacity;
+mod hard_problems;
 mod impact;
 mod law;
 mod pair;

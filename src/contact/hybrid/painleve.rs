@@ -128,7 +128,8 @@ pub(crate) fn jam(
         let k = load.loaded[s].len();
         allowed(s, state) && (0..k).all(|i| !load.loaded[s][i] || state.clamps(i, k))
     };
-    let input = SelectionInput { rules, event: true, allowed: &together };
+    let preferring = Rules { exhaustive: false, ..*rules };
+    let input = SelectionInput { rules: &preferring, event: true, allowed: &together };
     let mut selection = method.impulse(p, &input, solution);
     let mut tested = selection.tested;
     if !selection.consistent {

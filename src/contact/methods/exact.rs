@@ -92,10 +92,12 @@ impl ContactSolver for Exact {
     }
 
     fn impulse(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
-        // Start with all vertices that touch and do not already leave; in a fixed step, first with
-        // soles that slide on. Where static friction is greater than kinetic, rest comes first.
+        // Start with all vertices that touch and do not already leave; in a fixed step, first with the
+        // previous states and with soles that slide on. Where static friction is greater than
+        // kinetic, rest comes first.
         let mut start = States::default();
         let mut continued = States::default();
+        let mut previous_states = States::default();
         let mut rest_first = false;
         for (s, sole) in p.soles.iter().enumerate() {
             let approaches = |i: usize| {
@@ -109,14 +111,18 @@ impl ContactSolver for Exact {
             let slides_on = !input.event && previous.is_dynamic() && pattern != Pattern::Free;
             let mode = if previous.pattern == pattern { previous.mode } else { Mode::Sliding };
             continued[s] = if slides_on { SoleState { pattern, mode } } else { start[s] };
+            let reaches = (0..k).all(|i| !previous.clamps(i, k) || sole.vertices[i].near);
+            let remains = !input.event && previous != SoleState::FREE && reaches;
+            previous_states[s] = if remains { previous } else { continued[s] };
             let clamped = sole.vertices.iter().enumerate().filter(|(i, _)| continued[s].clamps(*i, k));
             rest_first |= slides_on && clamped.into_iter().any(|(_, v)| v.mu_s > v.mu_k);
         }
         let start = replace_forbidden(p, start, input);
         let continued = replace_forbidden(p, continued, input);
-        let starts = if rest_first { [start, continued] } else { [continued, start] };
-        let starts = if continued == start { &starts[..1] } else { &starts[..] };
-        self.selector.select(p, starts, !input.event, input.rules, input.allowed, out)
+        let previous_states = replace_forbidden(p, previous_states, input);
+        let starts = if rest_first { [start, previous_states, continued] } else { [previous_states, continued, start] };
+        // Equal ones are tested once.
+        self.selector.select(p, &starts, !input.event, input.rules, input.allowed, out)
     }
 
     fn point_impulse(&mut self, p: &Problem, out: &mut Solution) -> Option<States> {

@@ -165,6 +165,7 @@ impl Lcp {
             states,
             tested: 1,
             full: false,
+            exhausted: true,
             consistent,
             assessment: Assessment { levels, ..Assessment::default() },
         }

@@ -115,6 +115,7 @@ impl Ncp {
             tested: 1,
             full: false,
             consistent: true,
+            exhausted: true,
             assessment: Assessment { levels, ..Assessment::default() },
         }
     }

@@ -59,7 +59,7 @@ impl OneStep {
         let assessment = judge(p, &states, out, true, input.rules);
         // The method claims no validity, so it is never inconsistent: its errors show in the
         // residuals.
-        Selection { states, tested: 1, full: false, consistent: true, assessment }
+        Selection { states, tested: 1, full: false, consistent: true, exhausted: true, assessment }
     }
 }
 

@@ -93,6 +93,8 @@ pub struct CandidateSolver {
     first: [usize; MAX_SOLES],
     /// Loaded vertices of each sliding face, one bit each.
     loaded: [u64; MAX_SOLES],
+    /// Whether all sets of loaded vertices are tried where their iteration fails.
+    pub(super) thorough: bool,
 }
 
 fn dot(a: &[f64], b: &Six) -> f64 {
@@ -128,6 +130,7 @@ impl CandidateSolver {
             linear: Linear::new(n),
             first: [0; MAX_SOLES],
             loaded: [u64::MAX; MAX_SOLES],
+            thorough: true,
         }
     }
 
@@ -144,7 +147,7 @@ impl CandidateSolver {
             }
         }
         for s in 0..p.soles.len() {
-            if !out.inside[s] {
+            if !out.inside[s] && self.thorough {
                 self.try_arcs(p, states, s, out);
             }
         }

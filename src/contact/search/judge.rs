@@ -114,12 +114,19 @@ pub struct Rules {
     pub hops: bool,
     /// Rounding allowed in margins, relative to the load scale.
     pub rounding: f64,
+    /// Whether all states are searched as a last resort.
+    pub exhaustive: bool,
 }
 
 impl Rules {
     /// Rules without a suspicion.
     pub fn new(tolerances: Tolerances, previous: States) -> Self {
-        Rules { tolerances, previous, suspect: [0; MAX_SOLES], hops: false, rounding: ROUNDING }
+        Rules { tolerances, previous, suspect: [0; MAX_SOLES], hops: false, rounding: ROUNDING, exhaustive: true }
+    }
+
+    /// Suspicions of a sole. Impulses are not the loads that reached their limits.
+    pub fn suspect(&self, p: &Problem, s: usize) -> u8 {
+        if p.level == Level::Acceleration { self.suspect[s] } else { 0 }
     }
 }
 
@@ -183,7 +190,7 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
         let normal = normal_margin(p, state, s, solution);
         // In another state the friction differs. A lost normal load may also be missing in a
         // smaller pattern.
-        let suspect = rules.suspect[s] & if state == rules.previous[s] { u8::MAX } else { SUSPECT_NORMAL };
+        let suspect = rules.suspect(p, s) & if state == rules.previous[s] { u8::MAX } else { SUSPECT_NORMAL };
         let floor = |bit: u8| if suspect & bit != 0 { CLEAR } else { -rules.rounding };
         // A face whose pressure rule failed has negative forces, wherever its centre of pressure
         // is.

@@ -22,11 +22,19 @@
 //! so an iteration costs products with A and one solve of size 6F. z = -l at the solution.
 //!
 //! The iteration is a map of `x = f + l / rho`, from which y = P_K(x) and l = rho (x - y) follow.
-//! Alone it needs thousands of iterations where many vertices of a sole share a load. Anderson's
-//! acceleration [Walker 2011] combines the last 20 of them: of all combinations of their
-//! results it takes that with the least change, which ends in a few iterations once the set of
-//! carrying and slipping vertices is found, as the map is then smooth. It starts anew where the
-//! change grows.
+//! Alone it needs thousands of iterations where many vertices of a sole share a load. With
+//! Anderson's acceleration ([`crate::linalg::anderson`]) it ends in a few once the set of carrying
+//! and slipping vertices is found, as the map is then smooth.
+//!
+//! s follows from the last iteration, so that friction close to a jam keeps the method from
+//! converging. Then the points are visited in turn, as by the method `ncp` [Jean 1999]:
+//!
+//! ```text
+//! N <- max(0, N - (m_n - target) / K)        t <- P(t - m_t / D)        or  t <- -mu_k N u
+//! ```
+//!
+//! with D the greatest tangential response of the point to its own force and K its normal response,
+//! for a moving one to `(-mu_k u, 1)`. The residual is that of f = P_K(f - z / rho).
 //!
 //! The result names states to be tested; the accuracy of their forces is that of the candidate
 //! solve. A vertex in motion has mu_k. One at rest has mu_s, and mu_k once it slips.
@@ -34,20 +42,19 @@
 use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::solution::{Solution, wrench_at};
 use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
-use crate::linalg::cholesky::Symmetric;
-use nalgebra::{DMatrix, DVector, Vector2, Vector3};
+use crate::linalg::anderson::Anderson;
+use crate::linalg::linear::Linear;
+use nalgebra::{Vector2, Vector3};
 
-/// Most iterations of one solve.
-const ITERATIONS: usize = 2000;
-/// Iterations that the acceleration combines.
-const MEMORY: usize = 20;
-/// Growth of the change per iteration at which the acceleration starts anew.
-const GROWS: f64 = 2.0;
-/// Regularization of its least squares, relative: changes are nearly dependent near the solution.
-const DEPENDENT: f64 = 1e-12;
+/// Most iterations of the alternating directions, and most visits to all points.
+const STAGES: [usize; 2] = [400, 1000];
+/// Friction, relative to what holds at most, with which a vertex is at its limit.
+const LIMIT: f64 = 1.0 - 1e-9;
 /// Residuals at which the states are read, relative to load and motion: far below the forces and
 /// motions by which states differ, far above rounding.
 const ACCURATE: f64 = 1e-9;
+/// Greatest force of a solution, relative to that which alone would stop the motion.
+const DIVERGED: f64 = 1e9;
 /// Tangential motion of a vertex that slips, relative to the motion without contact.
 pub const SLIPS: f64 = 1e-6;
 /// The same as far as the solution is accurate.
@@ -71,6 +78,9 @@ struct Point {
     dual: Vector3<f64>,
     /// x before the iteration.
     before: Vector3<f64>,
+    /// K and D of the visits.
+    normal: f64,
+    tangential: f64,
 }
 
 impl Point {
@@ -94,13 +104,15 @@ impl Point {
 pub struct PointForces {
     points: Vec<Point>,
     /// `rho + A A^T W`, factorised in place.
-    matrix: DMatrix<f64>,
-    pivots: Vec<usize>,
-    wrench: DVector<f64>,
-    motion: DVector<f64>,
-    /// Penalty of the method, iterations so far, and the residual after the last.
+    matrix: Vec<f64>,
+    linear: Linear,
+    wrench: Vec<f64>,
+    motion: Vec<f64>,
+    /// Penalty of the method.
     rho: f64,
-    acceleration: Acceleration,
+    acceleration: Anderson,
+    /// Index in [`STAGES`], iterations in this stage so far, and the residual after the last.
+    stage: usize,
     iterations: usize,
     residual: f64,
     /// Whether slipping vertices have got mu_k.
@@ -114,12 +126,13 @@ impl PointForces {
         let n = p.dim();
         PointForces {
             points: Vec::with_capacity(MAX_POINTS),
-            matrix: DMatrix::zeros(n, n),
-            pivots: vec![0; n],
-            wrench: DVector::zeros(n),
-            motion: DVector::zeros(n),
+            matrix: vec![0.0; n * n],
+            linear: Linear::new(n),
+            wrench: vec![0.0; n],
+            motion: vec![0.0; n],
             rho: 1.0,
-            acceleration: Acceleration::new(3 * p.vertex_indices().count().min(MAX_POINTS)),
+            acceleration: Anderson::new(3 * p.vertex_indices().count().min(MAX_POINTS)),
+            stage: 0,
             iterations: 0,
             residual: 0.0,
             has_slips: false,
@@ -131,7 +144,7 @@ impl PointForces {
     pub fn solve(&mut self, p: &Problem, touches: impl Fn(usize, usize) -> bool) -> f64 {
         self.begin(p, touches, None);
         while !self.is_done {
-            self.advance(p, ITERATIONS);
+            self.advance(p, STAGES[0]);
         }
         self.residual
     }
@@ -163,9 +176,11 @@ impl PointForces {
                 split,
                 dual: zero,
                 before: zero,
+                normal: 0.0,
+                tangential: 0.0,
             });
         }
-        self.iterations = 0;
+        (self.stage, self.iterations) = (0, 0);
         self.has_slips = false;
         self.is_done = self.points.is_empty();
         self.residual = if self.is_done { 0.0 } else { f64::INFINITY };
@@ -173,18 +188,8 @@ impl PointForces {
             return;
         }
         if start.is_some() {
-            // l = -z with the motions of the starting forces.
             self.motion(p);
-            for point in &mut self.points {
-                let m = &self.motion.as_slice()[6 * point.sole..6 * point.sole + 6];
-                let free = &p.b[6 * point.sole..6 * point.sole + 6];
-                let change = |r: usize| m[r] - free[r];
-                let linear = Vector3::new(change(0), change(1), change(2));
-                let turn = Vector3::new(change(3), change(4), change(5));
-                let z = point.free + linear + turn.cross(&point.r);
-                point.dual = -z;
-                point.dual.z -= point.shift();
-            }
+            self.set_duals(p);
         }
         let n = p.dim();
         let trace: f64 = (0..n).map(|i| p.w[i * n + i]).sum();
@@ -194,32 +199,68 @@ impl PointForces {
         self.acceleration.restart();
     }
 
+    /// Sets l = -z from the motions of the soles.
+    fn set_duals(&mut self, p: &Problem) {
+        for point in &mut self.points {
+            let at = 6 * point.sole..6 * point.sole + 6;
+            let change: [f64; 6] = std::array::from_fn(|r| self.motion[at.start + r] - p.b[at.start + r]);
+            point.dual = -(point.free + motion_at(&change, &point.r));
+            point.dual.z -= point.shift();
+        }
+    }
+
     /// Takes at most `count` iterations.
     pub fn advance(&mut self, p: &Problem, count: usize) {
         for _ in 0..count {
             if self.is_done {
                 return;
             }
-            self.iterate(p);
-            if self.residual >= ACCURATE && self.iterations < ITERATIONS {
-                continue;
+            if self.stage == 1 {
+                self.visit(p)
+            } else {
+                self.iterate(p)
             }
-            // What slips does so with mu_k.
-            let drive = self.drive();
-            let mut changed = false;
-            if !std::mem::replace(&mut self.has_slips, true) {
-                for point in self.points.iter_mut().filter(|point| point.direction.is_none()) {
-                    let v = &p.soles[point.sole].vertices[point.vertex];
-                    if v.mu_k != v.mu_s && point.dual.xy().norm() > SLIPS * drive && point.split.z > 0.0 {
-                        point.mu = v.mu_k;
-                        changed = true;
-                    }
+            self.iterations += 1;
+            if self.residual < ACCURATE {
+                self.is_done = !self.let_slip(p);
+                if !self.is_done {
+                    self.begin_stage(p, 0);
+                }
+            } else if self.iterations == STAGES[self.stage] {
+                // A jamming vertex has no solution to which visits could converge.
+                self.is_done = self.stage + 1 == STAGES.len() || (self.stage == 0 && !self.begin_visits(p));
+                if !self.is_done {
+                    self.begin_stage(p, self.stage + 1);
                 }
             }
-            self.is_done = !changed;
-            self.iterations = 0;
-            self.acceleration.restart();
         }
+    }
+
+    fn begin_stage(&mut self, p: &Problem, stage: usize) {
+        (self.stage, self.iterations) = (stage, 0);
+        self.acceleration.restart();
+        if stage == 1 {
+            for point in &mut self.points {
+                point.force = point.split;
+            }
+            self.motion(p);
+        }
+    }
+
+    /// What slips does so with mu_k. Returns whether a coefficient has changed.
+    fn let_slip(&mut self, p: &Problem) -> bool {
+        let drive = self.drive();
+        let mut changed = false;
+        if !std::mem::replace(&mut self.has_slips, true) {
+            for point in self.points.iter_mut().filter(|point| point.direction.is_none()) {
+                let v = &p.soles[point.sole].vertices[point.vertex];
+                if v.mu_k != v.mu_s && point.dual.xy().norm() > SLIPS * drive && point.split.z > 0.0 {
+                    point.mu = v.mu_k;
+                    changed = true;
+                }
+            }
+        }
+        changed
     }
 
     /// Whether the iterations have ended.
@@ -234,17 +275,21 @@ impl PointForces {
 
     /// Motions of the soles with the forces of the last solve, 6F.
     pub fn motion(&mut self, p: &Problem) -> &[f64] {
-        let n = p.dim();
+        self.gather(|point| point.split);
+        let rows = p.w.chunks_exact(p.dim());
+        for ((m, b), row) in self.motion.iter_mut().zip(&p.b).zip(rows) {
+            *m = b + row.iter().zip(&self.wrench).map(|(w, x)| w * x).sum::<f64>();
+        }
+        &self.motion
+    }
+
+    /// Wrenches of the soles for a force of each point.
+    fn gather(&mut self, force: impl Fn(&Point) -> Vector3<f64>) {
         self.wrench.fill(0.0);
         for point in &self.points {
-            let one = wrench_at(&point.r, &point.split);
-            let rows = self.wrench.as_mut_slice()[6 * point.sole..6 * point.sole + 6].iter_mut();
-            rows.zip(one).for_each(|(sum, x)| *sum += x);
+            let one = wrench_at(&point.r, &force(point));
+            self.wrench[6 * point.sole..6 * point.sole + 6].iter_mut().zip(one).for_each(|(sum, x)| *sum += x);
         }
-        for (i, m) in self.motion.iter_mut().enumerate() {
-            *m = p.b[i] + p.w[i * n..(i + 1) * n].iter().zip(self.wrench.iter()).map(|(w, x)| w * x).sum::<f64>();
-        }
-        self.motion.as_slice()
     }
 
     /// Forces of the last solve, by sole and vertex, floor axes.
@@ -277,14 +322,13 @@ impl PointForces {
         }
         let (primal, dual) = (primal / load, dual / drive);
         self.residual = primal.max(dual);
-        self.iterations += 1;
         if self.residual < ACCURATE {
             return;
         }
         // Balances the two residuals.
         let ratio = (primal / dual).sqrt();
         let unbalanced = !(0.3..3.0).contains(&ratio) && ratio.is_finite() && ratio > 0.0;
-        if self.iterations.is_multiple_of(20) && unbalanced {
+        if (self.iterations + 1).is_multiple_of(20) && unbalanced {
             self.rho *= ratio.clamp(0.1, 10.0);
             self.factorize(p, self.rho);
             self.acceleration.restart();
@@ -301,25 +345,78 @@ impl PointForces {
 
     /// Replaces the forces x by `(H + rho)^-1 x`.
     fn apply_inverse(&mut self, p: &Problem, rho: f64) {
-        let n = p.dim();
-        self.wrench.fill(0.0);
-        for point in &self.points {
-            let one = wrench_at(&point.r, &point.force);
-            let rows = self.wrench.as_mut_slice()[6 * point.sole..6 * point.sole + 6].iter_mut();
-            rows.zip(one).for_each(|(sum, x)| *sum += x);
-        }
-        self.back_substitute();
-        for (i, m) in self.motion.iter_mut().enumerate() {
-            *m = p.w[i * n..(i + 1) * n].iter().zip(self.wrench.iter()).map(|(w, x)| w * x).sum();
+        self.gather(|point| point.force);
+        self.linear.apply(&self.matrix, &mut self.wrench);
+        for (m, row) in self.motion.iter_mut().zip(p.w.chunks_exact(p.dim())) {
+            *m = row.iter().zip(&self.wrench).map(|(w, x)| w * x).sum();
         }
         for point in &mut self.points {
-            let m = &self.motion.as_slice()[6 * point.sole..6 * point.sole + 6];
-            let motion = Vector3::new(m[0], m[1], m[2]) + Vector3::new(m[3], m[4], m[5]).cross(&point.r);
+            let motion = motion_at(&self.motion[6 * point.sole..6 * point.sole + 6], &point.r);
             point.force = (point.force - motion) / rho;
         }
     }
 
-    /// Factorises `rho + A A^T W` with row pivoting.
+    /// Prepares the visits. Returns false if a moving vertex jams: its normal response is not
+    /// positive.
+    fn begin_visits(&mut self, p: &Problem) -> bool {
+        let n = p.dim();
+        for point in &mut self.points {
+            let own = |f: &Vector3<f64>| {
+                let wrench = wrench_at(&point.r, f);
+                let motion: [f64; 6] = std::array::from_fn(|i| {
+                    let row = &p.w[(6 * point.sole + i) * n + 6 * point.sole..][..6];
+                    row.iter().zip(wrench).map(|(w, x)| w * x).sum()
+                });
+                motion_at(&motion, &point.r)
+            };
+            let (x, y) = (own(&Vector3::x()), own(&Vector3::y()));
+            let (mean, half) = (0.5 * (x.x + y.y), 0.5 * (x.x - y.y));
+            point.tangential = mean + half.hypot(x.y);
+            let u = point.direction.unwrap_or_default() * -point.mu;
+            point.normal = own(&Vector3::new(u.x, u.y, 1.0)).z;
+        }
+        self.points.iter().all(|point| point.normal > 0.0 && point.tangential > 0.0)
+    }
+
+    /// Visits all points once.
+    fn visit(&mut self, p: &Problem) {
+        let n = p.dim();
+        for point in &mut self.points {
+            let at = 6 * point.sole..6 * point.sole + 6;
+            let z = |motion: &[f64]| {
+                let change: [f64; 6] = std::array::from_fn(|r| motion[at.start + r] - p.b[at.start + r]);
+                point.free + motion_at(&change, &point.r)
+            };
+            let (before, m) = (point.force, z(&self.motion));
+            let normal = (before.z - m.z / point.normal).max(0.0);
+            let tangent = match point.direction {
+                Some(u) => u * (-point.mu * normal),
+                None => (before.xy() - m.xy() / point.tangential).cap_magnitude(point.mu * normal),
+            };
+            point.force = Vector3::new(tangent.x, tangent.y, normal);
+            let wrench = wrench_at(&point.r, &(point.force - before));
+            for (m, row) in self.motion.iter_mut().zip(p.w.chunks_exact(n)) {
+                *m += row[at.clone()].iter().zip(wrench).map(|(w, x)| w * x).sum::<f64>();
+            }
+        }
+        self.points.iter_mut().for_each(|point| point.split = point.force);
+        self.set_duals(p);
+        let (drive, rho) = (self.drive().max(f64::MIN_POSITIVE), self.rho);
+        let load = self.points.iter().map(|point| point.split.norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let change =
+            |point: &Point| (point.split - project(point.split + point.dual / rho, point.mu, point.direction)).norm();
+        let change = self.points.iter().map(change).fold(0.0, f64::max);
+        self.residual = (change / load).max(change * rho / drive);
+        // Several vertices may jam together although none does alone.
+        if !(load * rho < DIVERGED * drive) || !self.motion.iter().all(|m| m.is_finite()) {
+            for point in &mut self.points {
+                (point.split, point.dual) = (Vector3::zeros(), Vector3::zeros());
+            }
+            (self.residual, self.is_done) = (f64::INFINITY, true);
+        }
+    }
+
+    /// Factorises `rho + A A^T W`.
     fn factorize(&mut self, p: &Problem, rho: f64) {
         let n = p.dim();
         self.matrix.fill(0.0);
@@ -337,185 +434,87 @@ impl PointForces {
             for (r, row) in block.iter().enumerate() {
                 for c in 0..n {
                     let product = row.iter().enumerate().map(|(k, b)| b * p.w[(6 * s + k) * n + c]).sum::<f64>();
-                    self.matrix[(6 * s + r, c)] = product;
+                    self.matrix[(6 * s + r) * n + c] = product;
                 }
             }
         }
-        (0..n).for_each(|i| self.matrix[(i, i)] += rho);
-        for c in 0..n {
-            let pivot = (c..n).max_by(|a, b| self.matrix[(*a, c)].abs().total_cmp(&self.matrix[(*b, c)].abs()));
-            let pivot = pivot.unwrap_or(c);
-            self.pivots[c] = pivot;
-            self.matrix.swap_rows(c, pivot);
-            let divisor = self.matrix[(c, c)];
-            for r in c + 1..n {
-                let factor = self.matrix[(r, c)] / divisor;
-                self.matrix[(r, c)] = factor;
-                for j in c + 1..n {
-                    let term = factor * self.matrix[(c, j)];
-                    self.matrix[(r, j)] -= term;
-                }
-            }
-        }
-    }
-
-    fn back_substitute(&mut self) {
-        let n = self.pivots.len();
-        let x = self.wrench.as_mut_slice();
-        for c in 0..n {
-            x.swap(c, self.pivots[c]);
-        }
-        for c in 0..n {
-            let top = x[c];
-            for (r, x) in x.iter_mut().enumerate().skip(c + 1) {
-                *x -= self.matrix[(r, c)] * top;
-            }
-        }
-        for c in (0..n).rev() {
-            x[c] /= self.matrix[(c, c)];
-            let top = x[c];
-            for (r, x) in x.iter_mut().enumerate().take(c) {
-                *x -= self.matrix[(r, c)] * top;
-            }
-        }
+        (0..n).for_each(|i| self.matrix[i * n + i] += rho);
+        self.linear.factor(&mut self.matrix, n);
     }
 
     /// The states that the solution indicates: the smallest pattern over the carrying vertices, those
-    /// with more than `least` of the greatest force. It slides if they slip by more than `slips` of
+    /// with more than `least` of the greatest force. It slides if those slip, by more than `slips` of
     /// the motion without contact, about the only one that does not.
     pub fn states(&self, p: &Problem, least: f64, slips: f64) -> States {
         let mut states = States::default();
-        let load = self.points.iter().map(|point| point.split.z).fold(0.0, f64::max);
-        let drive = self.drive();
+        let load = self.load();
         for s in 0..p.soles.len().min(MAX_SOLES) {
             let k = p.soles[s].vertices.len();
-            let (mut carrying, mut slipping) = (0u64, 0u64);
-            for point in self.points.iter().filter(|point| point.sole == s && point.split.z > least * load) {
-                carrying |= 1 << point.vertex;
-                let moves = point.direction.is_some() || point.dual.xy().norm() > slips * drive;
-                slipping |= u64::from(moves) << point.vertex;
-            }
+            let carrying = self.points_of(s).filter(|point| point.split.z > least * load);
+            let carrying = carrying.fold(0u64, |set, point| set | 1 << point.vertex);
             let pattern = Pattern::covering(k, |i| carrying >> i & 1 == 1);
-            if pattern == Pattern::Free {
-                continue;
+            if pattern != Pattern::Free {
+                states[s] = SoleState { pattern, mode: self.mode(s, carrying, slips) };
             }
-            let sticking = carrying & !slipping;
-            let mode = match (slipping, sticking.count_ones()) {
-                (0, _) => Mode::Static,
-                (_, 0) => Mode::Sliding,
-                (_, 1) => Mode::Pivoting(sticking.trailing_zeros() as u8),
-                _ => Mode::Static,
-            };
-            states[s] = SoleState { pattern, mode };
         }
         states
     }
-}
 
-/// Anderson's acceleration of a fixed-point iteration `x <- G(x)`.
-///
-/// With the changes dG and dr of the last results and of r = G(x) - x, the next point is
-/// `G - dG c` with the c that minimizes |r - dr c|.
-#[derive(Clone, Debug)]
-struct Acceleration {
-    /// Changes of G and r, one after the other; the oldest is replaced.
-    results: Vec<f64>,
-    residuals: Vec<f64>,
-    count: usize,
-    next: usize,
-    /// The last G and r, and the size of r; none after a restart.
-    last: Vec<f64>,
-    last_residual: Vec<f64>,
-    last_size: Option<f64>,
-    point: Vec<f64>,
-    /// Products of the changes of r, and their factor.
-    gram: Vec<f64>,
-    factor: Symmetric,
-    coefficients: Vec<f64>,
-}
-
-impl Acceleration {
-    /// For points of at most `n` numbers.
-    fn new(n: usize) -> Self {
-        Acceleration {
-            results: vec![0.0; MEMORY * n],
-            residuals: vec![0.0; MEMORY * n],
-            count: 0,
-            next: 0,
-            last: Vec::with_capacity(n),
-            last_residual: Vec::with_capacity(n),
-            last_size: None,
-            point: Vec::with_capacity(n),
-            gram: vec![0.0; MEMORY * MEMORY],
-            factor: Symmetric::zeros(MEMORY),
-            coefficients: vec![0.0; MEMORY],
-        }
-    }
-
-    fn restart(&mut self) {
-        (self.count, self.next, self.last_size) = (0, 0, None);
-    }
-
-    /// The next point after an iteration from x to G(x), given as pairs of three numbers each; none
-    /// if it is G(x) itself.
-    fn combine(&mut self, sequence: impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> + Clone) -> Option<&[f64]> {
-        let size = sequence.clone().map(|(x, g)| (g - x).norm_squared()).sum::<f64>().sqrt();
-        let n = 3 * sequence.clone().count();
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        match self.last_size {
-            Some(last) if size <= GROWS * last => {
-                let at = self.next * n..(self.next + 1) * n;
-                let results = self.results[at.clone()].chunks_exact_mut(3).zip(self.last.chunks_exact(3));
-                let residuals = self.residuals[at].chunks_exact_mut(3).zip(self.last_residual.chunks_exact(3));
-                for (((x, g), (dg, before)), (dr, residual)) in sequence.clone().zip(results).zip(residuals) {
-                    for axis in 0..3 {
-                        dg[axis] = g[axis] - before[axis];
-                        dr[axis] = g[axis] - x[axis] - residual[axis];
-                    }
+    /// States of sole `s` on fewer vertices than carry it: edges both of whose vertices do, then
+    /// vertices, each by decreasing load. An edge that sticks may turn about its heavier end. Adds at
+    /// most `most` to `list`.
+    pub fn parts(&self, p: &Problem, s: usize, slips: f64, most: usize, list: &mut Vec<SoleState>) {
+        let k = p.soles[s].vertices.len();
+        let load = |i: usize| self.points_of(s).find(|point| point.vertex == i).map_or(0.0, |point| point.split.z);
+        let patterns =
+            SoleState::patterns(k).filter(|pattern| matches!(pattern, Pattern::Vertex(_) | Pattern::Edge(_)));
+        let first = list.len();
+        for pattern in patterns {
+            let state = SoleState::fixed(pattern);
+            let vertices = || (0..k).filter(|&i| state.clamps(i, k));
+            if vertices().all(|i| load(i) > 0.0) {
+                let set = vertices().fold(0u64, |set, i| set | 1 << i);
+                let mode = self.mode(s, set, slips);
+                list.push(SoleState { pattern, mode });
+                if let (Mode::Static, Pattern::Edge(_)) = (mode, pattern)
+                    && let Some(i) = vertices().max_by(|&i, &j| load(i).total_cmp(&load(j)))
+                {
+                    list.push(SoleState { pattern, mode: Mode::Pivoting(i as u8) });
                 }
-                self.count = (self.count + 1).min(MEMORY);
-                let changes = self.residuals.chunks_exact(n).take(self.count);
-                for (i, change) in changes.enumerate() {
-                    let product = dot(change, &self.residuals[self.next * n..(self.next + 1) * n]);
-                    self.gram[i * MEMORY + self.next] = product;
-                    self.gram[self.next * MEMORY + i] = product;
-                }
-                self.next = (self.next + 1) % MEMORY;
             }
-            Some(_) => self.restart(),
-            None => {}
         }
-        self.last_size = Some(size);
-        self.last.clear();
-        self.last_residual.clear();
-        for (x, g) in sequence {
-            self.last.extend_from_slice(g.as_slice());
-            self.last_residual.extend_from_slice((g - x).as_slice());
+        let sum = |state: &SoleState| (0..k).filter(|&i| state.clamps(i, k)).map(load).sum::<f64>();
+        let order = |a: &SoleState, b: &SoleState| {
+            b.normal_rows().cmp(&a.normal_rows()).then_with(|| sum(b).total_cmp(&sum(a))).then_with(|| a.cmp(b))
+        };
+        list[first..].sort_unstable_by(order);
+        list.truncate(first + most);
+    }
+
+    /// Mode of a sole on a set of its vertices.
+    fn mode(&self, s: usize, set: u64, slips: f64) -> Mode {
+        let drive = self.drive();
+        let slips = |point: &&Point| {
+            let at_limit = point.split.xy().norm() >= LIMIT * point.mu * point.split.z;
+            point.direction.is_some() || (at_limit && point.dual.xy().norm() > slips * drive)
+        };
+        let slipping = self.points_of(s).filter(slips).fold(0u64, |set, point| set | 1 << point.vertex) & set;
+        let sticking = set & !slipping;
+        match (slipping, sticking.count_ones()) {
+            (0, _) => Mode::Static,
+            (_, 0) => Mode::Sliding,
+            (_, 1) => Mode::Pivoting(sticking.trailing_zeros() as u8),
+            _ => Mode::Static,
         }
-        let m = self.count;
-        if m == 0 {
-            return None;
-        }
-        self.factor.set_order(m);
-        let trace: f64 = (0..m).map(|i| self.gram[i * MEMORY + i]).sum();
-        for (i, row) in self.factor.entries.chunks_exact_mut(m).enumerate() {
-            row.copy_from_slice(&self.gram[i * MEMORY..i * MEMORY + m]);
-            row[i] += DEPENDENT * trace;
-        }
-        for (c, change) in self.coefficients.iter_mut().zip(self.residuals.chunks_exact(n)).take(m) {
-            *c = dot(change, &self.last_residual);
-        }
-        if !self.factor.factorize() {
-            self.restart();
-            return None;
-        }
-        self.factor.solve(&mut self.coefficients[..m]);
-        self.point.clear();
-        self.point.extend_from_slice(&self.last);
-        for (c, dg) in self.coefficients[..m].iter().zip(self.results.chunks_exact(n)) {
-            self.point.iter_mut().zip(dg).for_each(|(x, dg)| *x -= c * dg);
-        }
-        Some(&self.point)
+    }
+
+    fn points_of(&self, s: usize) -> impl Iterator<Item = &Point> {
+        self.points.iter().filter(move |point| point.sole == s)
+    }
+
+    /// The greatest normal force.
+    fn load(&self) -> f64 {
+        self.points.iter().map(|point| point.split.z).fold(0.0, f64::max)
     }
 }
 
@@ -535,4 +534,9 @@ fn project(f: Vector3<f64>, mu: f64, direction: Option<Vector2<f64>>) -> Vector3
     let n = (mu * size + normal) / (1.0 + mu * mu);
     let t = f.xy() * (mu * n / size);
     Vector3::new(t.x, t.y, n)
+}
+
+/// Motion of a point at `r` of a sole that moves with `motion`, without centripetal term.
+fn motion_at(motion: &[f64], r: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(motion[0], motion[1], motion[2]) + Vector3::new(motion[3], motion[4], motion[5]).cross(r)
 }

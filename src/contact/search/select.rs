@@ -11,10 +11,13 @@
 //!
 //! 1. near the state that continuity suggests;
 //! 2. near the states of the contact problem solved with every vertex as a point
-//!    ([`point_forces`](super::point_forces));
+//!    ([`point_forces`](super::point_forces)): first briefly, with the slips of that solution as the
+//!    only guess, then on parts of the carrying vertices, then thoroughly;
 //! 3. near those of the same with vertices sliding whose slow normal motion is about to be settled;
-//! 4. near those of the same without vertices that leave the floor, with slow hops allowed;
-//! 5. as the order `paper`; a fixed step takes the point solution itself instead, if it is accurate.
+//! 4. near those of the same without vertices that leave the floor, with slow hops allowed, if any
+//!    vertex hops;
+//! 5. as the order `paper`, if [`Rules::exhaustive`]; a fixed step takes the point solution itself
+//!    instead, if it is accurate.
 //!
 //! The order `paper` is the best-first search of [Hale 2008], section III.A, without limit, from the
 //! state that continuity suggests. If the queue empties first:
@@ -47,7 +50,13 @@ const ENUMERABLE: usize = 20_000;
 const NEAR: usize = 4;
 
 /// Candidates tested near each solution of the contact problem.
-const NEAR_SOLUTION: usize = 10;
+const NEAR_SOLUTION: usize = 4;
+
+/// Candidates tested again because only their sliding directions were not found.
+const RETESTED: usize = 3;
+
+/// Parts of a sole's carrying vertices that are tested.
+const PARTS: usize = 8;
 
 /// Iterations of the contact problem between two readings of its states.
 const BETWEEN_READINGS: usize = 20;
@@ -79,6 +88,8 @@ struct Entry {
     slides: bool,
     /// Whether its directions were found from a regularized start.
     guessed: bool,
+    /// Whether they were only sought near the first guess.
+    brief: bool,
     expanded: bool,
 }
 
@@ -93,6 +104,8 @@ pub struct Selection {
     pub full: bool,
     /// False when no candidate was valid.
     pub consistent: bool,
+    /// False when not all states were searched: [`Rules::exhaustive`] may find a valid one.
+    pub exhausted: bool,
     /// Assessment of the chosen states.
     pub assessment: Assessment,
 }
@@ -101,7 +114,14 @@ impl Selection {
     /// Selection of a method that tries no candidates and claims no validity: its errors show in
     /// the residuals.
     pub fn unchecked(states: States) -> Self {
-        Selection { states, tested: 0, full: false, consistent: true, assessment: Assessment::default() }
+        Selection {
+            states,
+            tested: 0,
+            full: false,
+            consistent: true,
+            exhausted: true,
+            assessment: Assessment::default(),
+        }
     }
 }
 
@@ -164,6 +184,8 @@ pub struct Selector {
     kept_solution: Solution,
     /// Clamped patterns whose modes have been solved for.
     patterns: Vec<States>,
+    /// States of one sole on parts of its carrying vertices.
+    parts: Vec<SoleState>,
 }
 
 impl Selector {
@@ -186,6 +208,7 @@ impl Selector {
             kept_directions: Vec::with_capacity(p.vertex_indices().count()),
             kept_solution: Solution::new(p),
             patterns: Vec::with_capacity(256),
+            parts: Vec::with_capacity(3 * 64),
         }
     }
 
@@ -200,7 +223,7 @@ impl Selector {
         if let Some(guess) = self.guess {
             slides = self.finder.solve(&mut self.solver, p, states, &[guess], &self.onset, out);
         }
-        if !slides {
+        if !slides && (self.finder.thorough || self.guess.is_none()) {
             let hint = self.slip_of_static_load(p, states, out);
             slides = self.finder.solve(&mut self.solver, p, states, &[hint], &self.onset, out);
         }
@@ -241,7 +264,7 @@ impl Selector {
     ) -> Selection {
         for (s, limit) in self.onset.iter_mut().enumerate() {
             limit.vertices = 0;
-            if rules.suspect[s] & SUSPECT_FRICTION != 0 {
+            if rules.suspect(p, s) & SUSPECT_FRICTION != 0 {
                 onset(p, &rules.previous, s, out, limit);
             }
         }
@@ -259,19 +282,28 @@ impl Selector {
             && let Some(states) = self.point_solution(&mut task)
         {
             let assessment = Assessment::default();
-            return Selection { states, tested: task.tested, full: false, consistent: true, assessment };
+            return Selection {
+                states,
+                tested: task.tested,
+                full: false,
+                consistent: true,
+                exhausted: true,
+                assessment,
+            };
         }
-        if !found {
+        let exhausted = found || !direct || rules.exhaustive;
+        if !found && exhausted {
             // From rest, as in the paper.
             let slides = |states: &&States| (0..task.p.soles.len()).filter(|&s| states[s].is_dynamic()).count();
-            let start = *starts.iter().min_by_key(slides).expect("at least one start");
+            let start = *starts.iter().rev().min_by_key(slides).expect("at least one start");
             self.search_all(&mut task, &start, unchanged);
         }
         let best = self.best();
         // Leave the chosen candidate's solution and directions in place.
         self.restore(&mut task, &best);
-        let (assessment, full) = (best.assessment, direct && !found);
-        Selection { states: best.states, tested: task.tested, full, consistent: assessment.valid(), assessment }
+        let (assessment, full) = (best.assessment, direct && !found && exhausted);
+        let consistent = assessment.valid();
+        Selection { states: best.states, tested: task.tested, full, consistent, exhausted, assessment }
     }
 
     /// Solves a velocity-level step with every vertex as a point. Returns the states that the
@@ -330,7 +362,11 @@ impl Selector {
             // Vertices of a fixed step slide on in their direction.
             let slides = level == Level::Velocity && (0..task.p.soles.len()).any(|s| start[s].is_dynamic());
             self.guess = slides.then(|| sliding_directions::slips_of_velocities(task.p, start));
-            self.push(task, start);
+            if slides {
+                self.push_briefly(task, start)
+            } else {
+                self.push(task, start)
+            }
             self.guess = None;
             // Velocities are no solution: another guess may succeed.
             self.queue.iter_mut().for_each(|e| e.guessed = false);
@@ -355,9 +391,15 @@ impl Selector {
             }
             task.slide_settling(false);
         }
+        let start = &starts[starts.len() - 1];
+        let hops = |v: &Vertex| v.is_in_band(&tol) && v.velocity.z > tol.rest;
+        if !task.p.soles.iter().flat_map(|sole| &sole.vertices).any(hops) {
+            self.push(task, start);
+            return self.is_found();
+        }
         task.rules.hops = true;
         self.restart();
-        self.push(task, &starts[starts.len() - 1]);
+        self.push(task, start);
         self.propose(task, |v| v.is_in_band(&tol) && v.velocity.z <= tol.rest);
         if !self.is_found() {
             task.rules.hops = false;
@@ -416,10 +458,11 @@ impl Selector {
         self.patterns.clear();
     }
 
-    /// Removes a candidate that failed without a good first guess, so that it is tested again.
+    /// Removes a candidate that failed without a good first guess or briefly, so that it is tested
+    /// again.
     fn forget(&mut self, states: &States) {
         let count = self.queue.len();
-        self.queue.retain(|e| e.states != *states || e.assessment.valid() || e.guessed);
+        self.queue.retain(|e| e.states != *states || e.assessment.valid() || (e.guessed && !e.brief));
         if self.queue.len() < count && self.kept == Some(*states) {
             self.kept = None;
         }
@@ -429,9 +472,8 @@ impl Selector {
         self.queue.iter().any(|e| e.assessment.valid())
     }
 
-    /// Tests the states that the solution with every vertex as a point indicates, as soon as two
-    /// readings agree, then with the modes of regularized friction if need be, and their
-    /// neighbours.
+    /// Tests the states that the solution with every vertex as a point indicates: as soon as two
+    /// readings agree, then in all readings, and their neighbours.
     fn propose(&mut self, task: &mut Task, touches: impl Fn(&Vertex) -> bool) {
         let start = (self.last_factor > 0.0).then_some((&self.last, self.last_factor));
         self.points.begin(task.p, |s, i| touches(&task.p.soles[s].vertices[i]), start);
@@ -442,22 +484,12 @@ impl Selector {
             let states = self.points.states(task.p, self.carries(), SLIPS);
             if early < EARLY && last == Some(states) && !self.queue.iter().any(|e| e.states == states && e.guessed) {
                 early += 1;
-                self.push_solution(task, &states);
+                self.push_solution(task, &states, true);
             }
             last = Some(states);
         }
         if !self.is_found() {
-            let (some, many) = (self.carries(), 1e3 * CARRIES.max(self.points.residual()));
-            for (least, slips) in [(some, SLIPS), (some, LEAST_SLIPS), (many, SLIPS)] {
-                if self.is_found() {
-                    break;
-                }
-                let states = self.points.states(task.p, least, slips);
-                self.push_solution(task, &states);
-                if !self.is_found() {
-                    self.complete(task, &states);
-                }
-            }
+            self.read_solution(task);
         }
         if !self.queue.is_empty() {
             self.explore(task, false, false, task.tested + NEAR_SOLUTION);
@@ -469,14 +501,89 @@ impl Selector {
         CARRIES.max(10.0 * self.points.residual())
     }
 
+    /// Tests all readings of the solved contact problem: with its slips alone, then on parts of the
+    /// carrying vertices of soles whose pressure fails, then from other first guesses and with the
+    /// modes of regularized friction. Ends at the first valid candidate.
+    fn read_solution(&mut self, task: &mut Task) {
+        let (some, many) = (self.carries(), 1e3 * CARRIES.max(self.points.residual()));
+        let readings = [(some, SLIPS), (some, LEAST_SLIPS), (some, 0.0), (some, some), (many, SLIPS)];
+        let states = readings.map(|(least, slips)| self.points.states(task.p, least, slips));
+        let new = |i: &usize| !states[..*i].contains(&states[*i]);
+        for i in (0..readings.len()).filter(new) {
+            self.push_solution(task, &states[i], true);
+            if self.is_found() {
+                return;
+            }
+        }
+        for i in (0..readings.len()).filter(new) {
+            // What is at its limit slips; as far as the solution is inaccurate, what moves clearly.
+            for slips in [0.0, self.carries()] {
+                self.push_parts(task, &states[i], slips);
+                if self.is_found() {
+                    return;
+                }
+            }
+        }
+        // Where only the directions were not found from the first guess, others may succeed.
+        let mut lacking = self.queue.iter().filter(|e| e.brief && e.assessment.levels[..2] == [0.0; 2]);
+        let lacking: [Option<States>; RETESTED] = std::array::from_fn(|_| lacking.next().map(|e| e.states));
+        for states in lacking.iter().flatten() {
+            self.push_solution(task, states, false);
+            if self.is_found() {
+                return;
+            }
+        }
+        for i in (0..readings.len()).filter(new) {
+            self.push_solution(task, &states[i], false);
+            if !self.is_found() {
+                self.complete(task, &states[i]);
+            }
+            if self.is_found() {
+                return;
+            }
+        }
+    }
+
     /// Tests states that the solved contact problem indicates, with its slips.
-    fn push_solution(&mut self, task: &mut Task, states: &States) {
+    fn push_solution(&mut self, task: &mut Task, states: &States, briefly: bool) {
         if (0..task.p.soles.len()).all(|s| (task.allowed)(s, states[s])) {
             self.guess = Some(sliding_directions::slips(task.p, states, self.points.motion(task.p)));
-            self.forget(states);
-            self.push(task, states);
+            if briefly {
+                self.push_briefly(task, states);
+            } else {
+                self.forget(states);
+                self.push(task, states);
+            }
             self.guess = None;
         }
+    }
+
+    /// Tests states in which a sole at fault rests on a part of the vertices that carry it as points:
+    /// its pressure may follow another rule there, and more vertices lift off.
+    fn push_parts(&mut self, task: &mut Task, states: &States, slips: f64) {
+        let Some(entry) = self.queue.iter().find(|e| e.states == *states) else { return };
+        let faults = entry.assessment.faults;
+        let mut parts = std::mem::take(&mut self.parts);
+        for s in (0..task.p.soles.len()).filter(|&s| faults[s].pulling || faults[s].friction) {
+            parts.clear();
+            self.points.parts(task.p, s, slips, PARTS, &mut parts);
+            for &part in &parts {
+                let mut next = *states;
+                next[s] = part;
+                self.push_solution(task, &next, true);
+                if self.is_found() {
+                    break;
+                }
+            }
+        }
+        self.parts = parts;
+    }
+
+    /// Tests a candidate with its first guess alone.
+    fn push_briefly(&mut self, task: &mut Task, states: &States) {
+        (self.solver.thorough, self.finder.thorough) = (false, false);
+        self.push(task, states);
+        (self.solver.thorough, self.finder.thorough) = (true, true);
     }
 
     /// Expands the best candidates until one is valid and none of its smaller neighbours beats it,
@@ -616,6 +723,7 @@ impl Selector {
             slips,
             slides: self.slides,
             guessed: self.guess.is_some(),
+            brief: !self.finder.thorough,
             expanded: false,
         };
         if self.queue.iter().all(|other| order(&entry, other).is_lt()) {

@@ -35,6 +35,10 @@ const AT_REST: f64 = 1e-14;
 /// Tolerance of the residual, relative to the frictionless motion.
 const TOLERANCE: f64 = 1e-10;
 
+/// Steps from one first guess, and from one that should be near.
+const ROUNDS: usize = 12;
+const FEW_ROUNDS: usize = 5;
+
 /// Whether this state leaves any sliding direction undetermined.
 pub fn is_implicit(p: &Problem, states: &States, s: usize) -> bool {
     states[s].is_dynamic() && open_vertices(p, states, s).next().is_some()
@@ -71,13 +75,20 @@ pub struct DirectionFinder {
     linear: Linear,
     jacobian: Vec<f64>,
     motion: Vec<f64>,
+    /// Whether to try more than the first guesses, and for long.
+    pub(super) thorough: bool,
 }
 
 impl DirectionFinder {
     /// Allocates for problems of this size.
     pub fn new(p: &Problem) -> Self {
         let n = 3 * p.soles.len();
-        DirectionFinder { linear: Linear::new(n), jacobian: vec![0.0; n * n], motion: vec![0.0; p.dim()] }
+        DirectionFinder {
+            linear: Linear::new(n),
+            jacobian: vec![0.0; n * n],
+            motion: vec![0.0; p.dim()],
+            thorough: true,
+        }
     }
 
     /// Solves a candidate and leaves the directions found in the problem.
@@ -169,12 +180,15 @@ impl DirectionFinder {
         if search.drive == 0.0 {
             return false;
         }
-        let rounds = 12;
+        let (thorough, rounds) = if search.finder.thorough { (true, ROUNDS) } else { (false, FEW_ROUNDS) };
         for hint in hints {
             let guess = shift_slips(search.p, states, which, &points, hint);
             if norm(which, &guess) > 0.0 && search.iterate(guess, rounds, out) {
                 return true;
             }
+        }
+        if !thorough {
+            return false;
         }
         if search.iterate(drive, rounds, out) {
             return true;

@@ -63,7 +63,7 @@ impl SelectionRecord {
             acceleration: t.acceleration_m_per_s2,
             rest: t.rest_m_per_s,
         };
-        let mut rules = Rules::new(tolerances, States::default());
+        let mut rules = Rules { exhaustive: self.exhaustive, ..Rules::new(tolerances, States::default()) };
         for (s, sole) in self.soles.iter().enumerate().take(MAX_SOLES) {
             rules.previous[s] = sole.state(&sole.previous)?;
             rules.suspect[s] = if sole.suspect_normal { SUSPECT_NORMAL } else { 0 }

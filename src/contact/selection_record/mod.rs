@@ -43,12 +43,20 @@ pub struct SelectionRecord {
     pub w: Vec<f64>,
     /// Vector b, 6F: the motions without contact.
     pub b: Vec<f64>,
+    /// Whether all states were searched as a last resort.
+    #[serde(default = "exhaustive")]
+    pub exhaustive: bool,
     /// Tolerances that applied in the selection.
     pub tolerances: ToleranceRecord,
     /// Soles, in the order of the rows.
     pub soles: Vec<SoleRecord>,
     /// The answer of the method.
     pub answer: SelectionResult,
+}
+
+/// Records without the key are of programs that always searched all states.
+fn exhaustive() -> bool {
+    true
 }
 
 /// [`Level`](crate::contact::model::problem::Level) as written in files.

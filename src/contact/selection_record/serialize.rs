@@ -62,6 +62,7 @@ impl SelectionRecord {
             step_s: p.step,
             w: p.w.clone(),
             b: p.b.clone(),
+            exhaustive: rules.exhaustive,
             tolerances: ToleranceRecord {
                 distance_m: tol.distance,
                 velocity_m_per_s: tol.velocity,

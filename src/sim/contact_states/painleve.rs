@@ -27,7 +27,7 @@ impl RunState {
         if !self.plant.method.locates_events() {
             return Ok(false);
         }
-        let Some(load) = self.least_sliding_load().filter(SlidingLoad::drives_into_floor) else { return Ok(false) };
+        let Some(load) = self.jamming_load() else { return Ok(false) };
         // Without a jam the run continues with the solution of the search.
         let saved = (self.plant.problem.clone(), self.plant.solution.clone());
         let resolved = self.apply_jam(&load, observer)?;
@@ -44,7 +44,7 @@ impl RunState {
         if !self.locates_events() {
             return Ok(None);
         }
-        let Some(load) = self.least_sliding_load().filter(SlidingLoad::drives_into_floor) else { return Ok(None) };
+        let Some(load) = self.jamming_load() else { return Ok(None) };
         let (s, i) = load.at;
         let slip = self.plant.problem.soles[s].vertices[i].velocity.xy().norm();
         if slip > SLOW || slip <= self.plant.rest {
@@ -78,7 +78,8 @@ impl RunState {
     /// Ends sliding whose contact force grows without bound, after the step size has collapsed.
     /// Returns false if that is not the cause. Needs a free evaluation.
     pub(in crate::sim) fn resolve_unbounded_force(&mut self, observer: &mut dyn Observer) -> Result<bool, RunError> {
-        let Some(load) = self.least_sliding_load().filter(SlidingLoad::is_at_limit) else { return Ok(false) };
+        let states = self.plant.states;
+        let Some(load) = self.least_sliding_load(&states).filter(SlidingLoad::is_at_limit) else { return Ok(false) };
         let (s, i) = load.at;
         let start = self.plant.state.v.clone();
         let slip = self.plant.problem.soles[s].vertices[i].velocity.xy();
@@ -116,11 +117,32 @@ impl RunState {
         Ok(true)
     }
 
-    /// The normal load with the least `x . K x` on sliding vertices.
-    fn least_sliding_load(&mut self) -> Option<SlidingLoad> {
+    /// The normal load with the least `x . K x` on sliding vertices, with the sticking soles of
+    /// `states` held.
+    fn least_sliding_load(&mut self, states: &States) -> Option<SlidingLoad> {
         let plant = &mut self.plant;
         let (p, method) = (&mut plant.problem, plant.method.as_mut());
-        least_sliding_load(p, method, &plant.states, &self.tolerances, &mut self.projection)
+        least_sliding_load(p, method, states, &self.tolerances, &mut self.projection)
+    }
+
+    /// The load of sliding vertices that drives them into the floor; none if there is none.
+    fn jamming_load(&mut self) -> Option<SlidingLoad> {
+        let mut states = self.plant.states;
+        if let Some(load) = self.least_sliding_load(&states).filter(SlidingLoad::drives_into_floor) {
+            return Some(load);
+        }
+        // A sole that has just stopped may stick, which lets another jam.
+        for (s, sole) in self.plant.problem.soles.iter().enumerate() {
+            let (state, k) = (states[s], sole.vertices.len());
+            let stands = |i: usize| sole.vertices[i].velocity.xy().norm() <= self.tolerances.rest;
+            if state.is_dynamic() && (0..k).all(|i| !state.clamps(i, k) || stands(i)) {
+                states[s] = SoleState::fixed(state.pattern);
+            }
+        }
+        if states == self.plant.states {
+            return None;
+        }
+        self.least_sliding_load(&states).filter(SlidingLoad::drives_into_floor)
     }
 
     /// The states after the jam of a load, with its impulses in `self.projection`; none if there is
@@ -149,7 +171,8 @@ impl RunState {
         let falls = |sim: &mut Self, size: f64| {
             sim.plant.apply_impulses(&scaled(&load.wrench, size));
             sim.plant.evaluate_free();
-            let found = ((slip(sim) - before).norm(), sim.least_sliding_load());
+            let states = sim.plant.states;
+            let found = ((slip(sim) - before).norm(), sim.least_sliding_load(&states));
             sim.plant.state.v.copy_from_slice(&start);
             sim.plant.evaluate_free();
             found

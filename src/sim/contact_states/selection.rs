@@ -51,12 +51,20 @@ impl RunState {
                     ));
                 }
             }
-            let selection = self.select(observer)?;
+            let mut selection = self.select(false, observer)?;
             self.count(&selection);
-            let invalid = !selection.consistent && !self.all_imposed(&selection.assessment);
-            // A jam is a solution only if a state is chosen after it.
+            let mut invalid = !selection.consistent && !self.all_imposed(&selection.assessment);
+            // A jam is a solution only if a state is chosen after it. Its law finds out whether finite
+            // forces exist, so that all states are searched only without a jam.
             if invalid && round < ROUNDS && self.resolve_jam(observer)? {
                 continue;
+            }
+            if invalid && !selection.exhausted {
+                self.plant.evaluate_free();
+                self.plant.solution.copy_from(&self.before_selection);
+                selection = self.select(true, observer)?;
+                self.count(&selection);
+                invalid = !selection.consistent && !self.all_imposed(&selection.assessment);
             }
             if invalid && let Some(slip) = self.slow_jamming_slip(observer)? {
                 return self.choose_states_with_rest(slip, observer);
@@ -105,9 +113,10 @@ impl RunState {
         Rules { suspect: self.suspect, ..Rules::new(self.tolerances, self.plant.states) }
     }
 
-    /// Selects states at the acceleration level.
-    fn select(&mut self, observer: &mut dyn Observer) -> Result<Selection, RunError> {
-        let rules = self.rules();
+    /// Selects states at the acceleration level, from all of them as a last resort if `exhaustive`.
+    fn select(&mut self, exhaustive: bool, observer: &mut dyn Observer) -> Result<Selection, RunError> {
+        let rules = Rules { exhaustive, ..self.rules() };
+        self.before_selection.copy_from(&self.plant.solution);
         let forced = self.forced(self.plant.state.time);
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f == state);
         let input = SelectionInput { rules: &rules, event: true, allowed: &allowed };

@@ -62,6 +62,8 @@ pub struct RunState {
     pub anchors: Vec<Vec<Vector3<f64>>>,
     /// Scratch of projections and impulses.
     pub projection: Solution,
+    /// Solution before the present selection.
+    pub before_selection: Solution,
     /// Scratch of velocity changes and displacements, nv.
     pub displacement: Vec<f64>,
     /// The contact problem of the present selection, for an observer of problems.
