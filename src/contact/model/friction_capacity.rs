@@ -30,6 +30,26 @@ pub fn edge(c: [f64; 2], across: [f64; 2], along: f64) -> f64 {
     reach.min(c[0] - across[0].abs()).min(c[1] - across[1].abs())
 }
 
+/// Load of an edge beyond its capacity, N: the least sum of what its two ends carry beyond their own,
+/// over all splits of the load along it. Unlike the negative margin it changes in proportion to the
+/// load where that is at its limit across the edge.
+pub fn edge_excess(c: [f64; 2], across: [f64; 2], along: f64) -> f64 {
+    if edge(c, across, along) >= 0.0 {
+        return 0.0;
+    }
+    let excess = |first: f64| {
+        let carried = [first, along - first];
+        (0..2).map(|i| (across[i].hypot(carried[i]) - c[i]).max(0.0)).sum::<f64>()
+    };
+    // Convex in the split.
+    let (mut low, mut high) = (0.0, along);
+    for _ in 0..100 {
+        let third = (high - low) / 3.0;
+        if excess(low + third) <= excess(high - third) { high -= third } else { low += third }
+    }
+    excess(0.5 * (low + high))
+}
+
 /// A slip twist of a sole: velocity of its reference point and yaw rate times the sole radius.
 pub type Slip = Vector3<f64>;
 
@@ -213,6 +233,20 @@ mod tests {
     }
 
     const R: f64 = 0.05 * std::f64::consts::SQRT_2;
+
+    #[test]
+    fn load_of_an_edge_beyond_its_capacity() {
+        // Along, across, and inside.
+        assert!((edge_excess([1.0, 2.0], [0.0, 0.0], -3.5) - 0.5).abs() < 1e-15);
+        assert!((edge_excess([1.0, 2.0], [1.25, 0.5], 0.0) - 0.25).abs() < 1e-15);
+        assert_eq!(edge_excess([1.0, 2.0], [0.6, -1.2], 2.4 * (1.0 - 1e-14)), 0.0);
+        // At the limit across one end, a billionth more is a billionth beyond: the other end carries
+        // what is along. The margin falls by its root.
+        let side = 1.0 + 1e-9;
+        assert!((edge_excess([1.0, 1.0], [side, 0.0], 1.0) - 1e-9).abs() < 1e-14);
+        assert!((edge_excess([1.0, 1.0], [side, 0.0], 1.0 + 1e-4) - 1e-9).abs() < 1e-7);
+        assert!(edge([1.0, 1.0], [1.0 - 1e-9, 0.0], 1.0 + 1e-4) < -5e-5);
+    }
 
     #[test]
     fn limits_of_pure_push_and_pure_twist() {

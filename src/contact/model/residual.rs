@@ -131,8 +131,8 @@ impl Residual {
     }
 }
 
-/// Distance of the load of a static pattern from its friction limit, N; zero if the vertex forces
-/// show that the load is within it.
+/// Distance of the load of a static pattern from its friction limit, N, negative beyond it; zero if
+/// an edge carries it or the vertex forces of a face show that the load is within it.
 fn static_margin(
     sole: &SoleProblem,
     pattern: Pattern,
@@ -150,7 +150,7 @@ fn static_margin(
             let along = (sole.vertices[j].r - sole.vertices[i].r).xy().normalize();
             let across = Vector2::new(-along.y, along.x);
             let side = [tangent[i].dot(&across), tangent[j].dot(&across)];
-            friction_capacity::edge([capacity(i), capacity(j)], side, (tangent[i] + tangent[j]).dot(&along))
+            -friction_capacity::edge_excess([capacity(i), capacity(j)], side, (tangent[i] + tangent[j]).dot(&along))
         }
         Pattern::Face => {
             let mut points = [(0.0, Vector2::zeros()); 64];
