@@ -20,9 +20,9 @@ pub fn mass_matrix(model: &Model, ws: &mut Workspace) {
     }
     let nb = ws.nb;
     for (i, (joint, &parent)) in model.joints.iter().zip(&ws.parent[1..]).enumerate().rev() {
-        let (before, here) = ws.composite.split_at_mut(i + 1);
-        let composite: &Inertia = &here[0];
-        before[parent] += *composite;
+        // A copy stays in registers.
+        let composite: Inertia = ws.composite[i + 1];
+        ws.composite[parent] += composite;
 
         let momentum = composite.apply(&ws.axes[nb + i]);
         let (chain, row) = ws.mass.row_mut(nb + i);

@@ -59,6 +59,33 @@ fn shift_and_eliminate(ws: &mut Workspace, shift: &[f64], prescribed: &[usize]) 
     eliminate(&mut ws.factor, &mut ws.scratch)
 }
 
+/// Calls a function for the length of a row as a constant, or evaluates `$long` for longer rows. Rows
+/// are short: loops over variable lengths would cost more than their numbers.
+macro_rules! by_length {
+    ($length:expr, $function:ident($($argument:expr),*), $long:expr) => {
+        match $length {
+            0 => $function::<0>($($argument),*),
+            1 => $function::<1>($($argument),*),
+            2 => $function::<2>($($argument),*),
+            3 => $function::<3>($($argument),*),
+            4 => $function::<4>($($argument),*),
+            5 => $function::<5>($($argument),*),
+            6 => $function::<6>($($argument),*),
+            7 => $function::<7>($($argument),*),
+            8 => $function::<8>($($argument),*),
+            9 => $function::<9>($($argument),*),
+            10 => $function::<10>($($argument),*),
+            11 => $function::<11>($($argument),*),
+            12 => $function::<12>($($argument),*),
+            13 => $function::<13>($($argument),*),
+            14 => $function::<14>($($argument),*),
+            15 => $function::<15>($($argument),*),
+            16 => $function::<16>($($argument),*),
+            _ => $long,
+        }
+    };
+}
+
 /// Head of a row of a fixed base.
 const NONE: [f64; 6] = [0.0; 6];
 
@@ -74,55 +101,87 @@ fn base_of(x: &[f64], base: usize) -> [f64; 6] {
     *split_base(x, base).0
 }
 
-/// Factorises in place; `least` is scratch of length nv. First the joints, then the base, whose
-/// rows all joints change.
-fn eliminate(factor: &mut TreeMatrix, least: &mut [f64]) -> Result<(), DynamicsError> {
-    for (k, least) in least.iter_mut().enumerate() {
+/// Factorises in place; `scratch` has length nv. First the joints, then the base, whose rows all
+/// joints change.
+fn eliminate(factor: &mut TreeMatrix, scratch: &mut [f64]) -> Result<(), DynamicsError> {
+    for (least, (_, row)) in scratch.iter_mut().zip(factor.rows()) {
         // A pivot below this fraction of its initial diagonal is rounding, not inertia.
-        *least = 16.0 * f64::EPSILON * factor.row(k).last().expect("a row contains its diagonal");
+        *least = 16.0 * f64::EPSILON * row.last().expect("a row contains its diagonal");
     }
-    let base = factor.pattern().base();
-    for k in (base..factor.len()).rev() {
-        eliminate_row(factor, k, base, least[k])?;
+    let (base, nv) = (factor.pattern().base(), factor.len());
+    for i in (0..nv - base).rev() {
+        let k = factor.pattern().by_depth()[i];
+        reduce_row(factor, k, 0, scratch)?;
     }
+    (base..nv).for_each(|k| scale_row(factor, k, scratch[k]));
     if base == 6 {
         subtract_joints_from_base(factor);
-    }
-    for k in (0..base).rev() {
-        eliminate_row(factor, k, 0, least[k])?;
+        (0..6).rev().try_for_each(|k| reduce_row(factor, k, nv - 6, scratch))?;
+        (0..6).for_each(|k| scale_row(factor, k, scratch[k]));
     }
     Ok(())
 }
 
-/// Scales row `k` and subtracts it from the rows of its ancestors, without the first `base`. Its
-/// pivot must exceed `least`.
-fn eliminate_row(factor: &mut TreeMatrix, k: usize, base: usize, least: f64) -> Result<(), DynamicsError> {
-    let (before, row, pattern) = factor.split_row(k);
-    let (diagonal, row) = row.split_last_mut().expect("a row contains its diagonal");
-    let pivot = *diagonal;
+/// Subtracts from row `k` the rows of its descendants but the first `done`, which are not scaled
+/// yet. Its pivot must exceed `scratch[k]`, which becomes 1 / pivot.
+///
+/// Row d of a descendant begins with entries for the same velocities as row k. The last of them,
+/// entry (d, k), over the pivot of d is the factor of row d.
+fn reduce_row(factor: &mut TreeMatrix, k: usize, done: usize, scratch: &mut [f64]) -> Result<(), DynamicsError> {
+    let pivot = by_length!(
+        factor.row(k).len(),
+        subtract_descendants(factor, k, done, scratch),
+        subtract_descendants_of_long_row(factor, k, done, scratch)
+    );
     // This form of the comparison also rejects NaN.
-    if !(pivot > least && pivot < f64::INFINITY) {
+    if !(pivot > scratch[k] && pivot < f64::INFINITY) {
         return Err(DynamicsError::Singular { dof: k, pivot });
     }
-    // Row of the ancestor at depth e: its first e + 1 entries belong to the same velocities as
-    // this row's. The next pivot depends only on 1 / pivot, so the square root is off the
-    // critical path.
-    let reciprocal = 1.0 / pivot;
-    let (head, tail) = split_base(row, base);
-    for (&ancestor, &entry) in pattern.chain(k)[base..].iter().zip(tail) {
-        let scale = entry * reciprocal;
-        let (first, rest) = before[pattern.range(ancestor)].split_at_mut(base);
-        if let Ok(first) = <&mut [f64; 6]>::try_from(first) {
-            first.iter_mut().zip(head).for_each(|(t, x)| *t -= scale * x);
-        }
-        rest.iter_mut().zip(tail).for_each(|(t, x)| *t -= scale * x);
-    }
-    let inverse = pivot.sqrt() * reciprocal;
-    *diagonal = inverse;
-    for x in row.iter_mut() {
-        *x *= inverse;
-    }
+    // The next pivot depends only on 1 / pivot, so square roots are off the critical path.
+    scratch[k] = 1.0 / pivot;
     Ok(())
+}
+
+/// Subtracts descendants from row `k`, of `N` entries, which stay in registers. Returns the last.
+fn subtract_descendants<const N: usize>(factor: &mut TreeMatrix, k: usize, done: usize, reciprocal: &[f64]) -> f64 {
+    let mut sum: [f64; N] = *factor.row(k).first_chunk().expect("a row of this length");
+    for &(d, start) in &factor.pattern().descendants(k)[done..] {
+        let x: &[f64; N] = factor.entries()[start..].first_chunk().expect("a row of a descendant is longer");
+        let scale = x.last().unwrap_or(&0.0) * reciprocal[d];
+        sum.iter_mut().zip(x).for_each(|(sum, x)| *sum -= scale * x);
+    }
+    factor.row_mut(k).1.copy_from_slice(&sum);
+    *sum.last().unwrap_or(&0.0)
+}
+
+/// As [`subtract_descendants`], for a row of any length.
+#[cold]
+fn subtract_descendants_of_long_row(factor: &mut TreeMatrix, k: usize, done: usize, reciprocal: &[f64]) -> f64 {
+    let last = factor.row(k).len() - 1;
+    for i in done..factor.pattern().descendants(k).len() {
+        let (d, start) = factor.pattern().descendants(k)[i];
+        let scale = factor.entries()[start + last] * reciprocal[d];
+        for e in 0..=last {
+            let x = factor.entries()[start + e];
+            factor.row_mut(k).1[e] -= scale * x;
+        }
+    }
+    factor.row(k)[last]
+}
+
+/// Divides row `k` by the root of its pivot, of the given reciprocal. Its last entry becomes the
+/// inverse of that root.
+fn scale_row(factor: &mut TreeMatrix, k: usize, reciprocal: f64) {
+    let (diagonal, row) = factor.row_mut(k).1.split_last_mut().expect("a row contains its diagonal");
+    let inverse = diagonal.sqrt() * reciprocal;
+    *diagonal = inverse;
+    by_length!(row.len(), scale(row, inverse), row.iter_mut().for_each(|x| *x *= inverse));
+}
+
+/// Multiplies the first `N` entries of a row.
+#[inline(always)]
+fn scale<const N: usize>(row: &mut [f64], factor: f64) {
+    row.first_chunk_mut::<N>().into_iter().flatten().for_each(|x| *x *= factor);
 }
 
 /// Subtracts the finished rows of all joints from the six rows of a floating base, with which every
@@ -159,18 +218,17 @@ pub fn solve(ws: &Workspace, x: &mut [f64]) {
 
 /// First half: `x = L^-T x`, length nv.
 pub fn solve_lt(factor: &TreeMatrix, x: &mut [f64]) {
-    let (base, pattern) = (factor.pattern().base(), factor.pattern());
+    let base = factor.pattern().base();
     // What the joints subtract from the base stays in registers.
     let mut first = base_of(x, base);
-    for k in (base..factor.len()).rev() {
-        let (diagonal, row) = factor.row(k).split_last().expect("a row contains its diagonal");
+    for (k, (chain, row)) in factor.rows().enumerate().skip(base).rev() {
+        let (diagonal, row) = row.split_last().expect("a row contains its diagonal");
         let y = x[k] * diagonal;
         x[k] = y;
         let (head, tail) = split_base(row, base);
         first.iter_mut().zip(head).for_each(|(x, l)| *x -= l * y);
-        for (&j, &l) in pattern.chain(k)[base..].iter().zip(tail) {
-            x[j] -= l * y;
-        }
+        let chain = &chain[base..];
+        by_length!(tail.len(), scatter(chain, tail, y, x), chain.iter().zip(tail).for_each(|(&j, l)| x[j] -= l * y));
     }
     x[..base].copy_from_slice(&first[..base]);
     for k in (0..base).rev() {
@@ -183,21 +241,39 @@ pub fn solve_lt(factor: &TreeMatrix, x: &mut [f64]) {
 
 /// Second half: `x = L^-1 x`, length nv.
 pub fn solve_l(factor: &TreeMatrix, x: &mut [f64]) {
-    let (base, pattern) = (factor.pattern().base(), factor.pattern());
+    let base = factor.pattern().base();
     for k in 0..base {
         let row = factor.row(k);
         let sum = row[..k].iter().zip(&*x).fold(x[k], |sum, (l, x)| sum - l * x);
         x[k] = sum * row[k];
     }
     let first = base_of(x, base);
-    for k in base..factor.len() {
-        let (diagonal, row) = factor.row(k).split_last().expect("a row contains its diagonal");
+    for &k in factor.pattern().by_depth() {
+        let (chain, row) = (factor.pattern().chain(k), factor.row(k));
+        let (diagonal, row) = row.split_last().expect("a row contains its diagonal");
         let (head, tail) = split_base(row, base);
         let part = |i: usize| head[i] * first[i] + head[i + 2] * first[i + 2] + head[i + 4] * first[i + 4];
-        let mut sum = x[k] - (part(0) + part(1));
-        for (&j, &l) in pattern.chain(k)[base..].iter().zip(tail) {
-            sum -= l * x[j];
-        }
+        let (sum, chain) = (x[k] - (part(0) + part(1)), &chain[base..]);
+        let sum = by_length!(
+            tail.len(),
+            gather(chain, tail, sum, x),
+            chain.iter().zip(tail).fold(sum, |sum, (&j, l)| sum - l * x[j])
+        );
         x[k] = sum * diagonal;
     }
+}
+
+/// `x_j -= l_j y` over the first `N` entries of a row.
+#[inline(always)]
+fn scatter<const N: usize>(chain: &[usize], row: &[f64], y: f64, x: &mut [f64]) {
+    if let (Some(chain), Some(row)) = (chain.first_chunk::<N>(), row.first_chunk::<N>()) {
+        chain.iter().zip(row).for_each(|(&j, l)| x[j] -= l * y);
+    }
+}
+
+/// `sum - l x` over the first `N` entries of a row, one after the other.
+#[inline(always)]
+fn gather<const N: usize>(chain: &[usize], row: &[f64], sum: f64, x: &[f64]) -> f64 {
+    let (Some(chain), Some(row)) = (chain.first_chunk::<N>(), row.first_chunk::<N>()) else { return sum };
+    chain.iter().zip(row).fold(sum, |sum, (&j, l)| sum - l * x[j])
 }

@@ -50,6 +50,8 @@ pub struct Reduced {
     /// Y: for each sole and each velocity of its support chain, six numbers.
     y: Vec<[f64; 6]>,
     y_start: Vec<usize>,
+    /// Position of the row of L of each of these velocities among its entries.
+    rows: Vec<usize>,
     half: Vec<f64>,
 }
 
@@ -59,8 +61,9 @@ impl Reduced {
         let n = model.soles.len();
         let mut vertex_start = vec![0];
         let mut y_start = vec![0];
-        let mut local = Vec::new();
+        let (mut local, mut rows) = (Vec::new(), Vec::new());
         for sole in &model.soles {
+            rows.extend(ws.support(sole.link).iter().map(|&k| ws.factor.pattern().start(k)));
             vertex_start.push(vertex_start[vertex_start.len() - 1] + sole.vertices.len());
             y_start.push(y_start[y_start.len() - 1] + ws.support(sole.link).len());
             local.push(sole.centroid());
@@ -79,6 +82,7 @@ impl Reduced {
             local,
             y: vec![[0.0; 6]; y_start[n]],
             y_start,
+            rows,
             half: vec![0.0; ws.nv()],
         }
     }
@@ -117,6 +121,12 @@ impl Reduced {
 /// writes `h_k + a_k` into its prescribed entries. Their contribution to a0 is then correct, and
 /// that to W, [`apply`] and Y is removed.
 pub fn assemble(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64], out: &mut Reduced) {
+    geometry(model, ws, floor, out);
+    assemble_with_geometry(model, ws, floor, tau, out);
+}
+
+/// As [`assemble`], where `out` has the [`geometry`] of the state in the workspace already.
+pub fn assemble_with_geometry(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64], out: &mut Reduced) {
     for ((half, tau), h) in out.half.iter_mut().zip(tau).zip(&ws.bias) {
         *half = tau - h;
     }
@@ -124,7 +134,6 @@ pub fn assemble(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64]
     out.free.copy_from_slice(&out.half);
     factor::solve_l(&ws.factor, &mut out.free);
 
-    geometry(model, ws, floor, out);
     for s in 0..out.n {
         half_solve(model, ws, floor, s, out);
         free_motion(model, ws, floor, s, out);
@@ -164,15 +173,17 @@ fn half_solve(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, s: usize, out
         let axis = &ws.axes[k];
         write_in_floor_axes(&to_floor, &Motion::new(axis.at(&r), axis.angular), y);
     }
+    let rows = &out.rows[out.y_start[s]..out.y_start[s + 1]];
+    let l = ws.factor.entries();
     for e in (0..chain.len()).rev() {
         let (above, below) = y.split_at_mut(e + 1);
         // The sum stays in registers.
         let mut sum = above[e];
-        for (x, &k) in below.iter().zip(&chain[e + 1..]).rev() {
-            let l = ws.factor.row(k)[e];
+        for (x, row) in below.iter().zip(&rows[e + 1..]).rev() {
+            let l = l[row + e];
             sum.iter_mut().zip(x).for_each(|(sum, x)| *sum -= l * x);
         }
-        let inverse = ws.factor.row(chain[e])[e];
+        let inverse = l[rows[e] + e];
         above[e] = sum.map(|x| x * inverse);
     }
 }
@@ -184,12 +195,13 @@ fn free_motion(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, s: usize, ou
     let r = out.reference[s] - ws.position;
     let a0 = &mut out.a0[6 * s..6 * s + 6];
     write_in_floor_axes(&floor.transpose(), &classical(&link.drift, &link.velocity, &r), a0);
+    let mut sum: [f64; 6] = std::array::from_fn(|i| a0[i]);
     let y = &out.y[out.y_start[s]..out.y_start[s + 1]];
     for (y, &k) in y.iter().zip(ws.support(sole.link)) {
-        for (a, y) in a0.iter_mut().zip(y) {
-            *a += y * out.half[k];
-        }
+        let half = out.half[k];
+        sum.iter_mut().zip(y).for_each(|(a, y)| *a += y * half);
     }
+    a0.copy_from_slice(&sum);
 }
 
 /// Removes the prescribed velocities from Y of one sole.
@@ -235,9 +247,10 @@ fn block(model: &Model, ws: &Workspace, s: usize, other: usize, out: &mut Reduce
             }
         }
         for (c, column) in sum.iter().enumerate().map(|(c, column)| (6 * other + first + c, column)) {
-            for (r, &x) in column.iter().enumerate() {
-                out.w[6 * s + r + size * c] = x;
-                out.w[c + size * (6 * s + r)] = x;
+            out.w[6 * s + size * c..][..6].copy_from_slice(column);
+            // A block on the diagonal is its own mirror image.
+            if s != other {
+                column.iter().enumerate().for_each(|(r, x)| out.w[c + size * (6 * s + r)] = *x);
             }
         }
     }

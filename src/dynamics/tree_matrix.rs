@@ -11,8 +11,14 @@
 pub struct Pattern {
     start: Vec<usize>,
     column: Vec<usize>,
+    /// Descendants of each row, the last first, with the positions of their first entries, and where
+    /// those of a row begin.
+    descendant: Vec<(usize, usize)>,
+    descendant_start: Vec<usize>,
     /// See [`Pattern::base`].
     base: usize,
+    /// See [`Pattern::by_depth`].
+    by_depth: Vec<usize>,
 }
 
 impl Pattern {
@@ -22,7 +28,14 @@ impl Pattern {
         let follows =
             |(i, parent): (usize, &Option<usize>)| if i < 6 { *parent == i.checked_sub(1) } else { *parent >= Some(5) };
         let base = if parents.len() >= 6 && parents.iter().enumerate().all(follows) { 6 } else { 0 };
-        let mut pattern = Pattern { start: vec![0], column: Vec::new(), base };
+        let mut pattern = Pattern {
+            start: vec![0],
+            column: Vec::new(),
+            descendant: Vec::new(),
+            descendant_start: vec![0],
+            base,
+            by_depth: Vec::new(),
+        };
         for (i, parent) in parents.iter().enumerate() {
             if let Some(p) = *parent {
                 pattern.column.extend_from_within(pattern.start[p]..pattern.start[p + 1]);
@@ -30,6 +43,15 @@ impl Pattern {
             pattern.column.push(i);
             pattern.start.push(pattern.column.len());
         }
+        for i in 0..pattern.len() {
+            let below = (i + 1..pattern.len()).rev().filter(|&d| pattern.chain(d).contains(&i));
+            let below: Vec<_> = below.map(|d| (d, pattern.start[d])).collect();
+            pattern.descendant.extend(below);
+            pattern.descendant_start.push(pattern.descendant.len());
+        }
+        let mut by_depth: Vec<usize> = (base..pattern.len()).collect();
+        by_depth.sort_by_key(|&i| pattern.chain(i).len());
+        pattern.by_depth = by_depth;
         pattern
     }
 
@@ -50,15 +72,35 @@ impl Pattern {
         self.base
     }
 
+    /// Velocities after the base by their number of ancestors, least first. Successive ones belong to
+    /// different limbs, whose computations do not wait for each other.
+    #[inline(always)]
+    pub(super) fn by_depth(&self) -> &[usize] {
+        &self.by_depth
+    }
+
     /// Ancestors of velocity `i`, root first, `i` itself last.
     #[inline(always)]
     pub fn chain(&self, i: usize) -> &[usize] {
         &self.column[self.start[i]..self.start[i + 1]]
     }
 
+    /// Velocities on whose path from the root velocity `i` lies, the last first, without `i`: each
+    /// with the position of its row among all entries.
     #[inline(always)]
-    pub(super) fn range(&self, i: usize) -> std::ops::Range<usize> {
+    pub(super) fn descendants(&self, i: usize) -> &[(usize, usize)] {
+        &self.descendant[self.descendant_start[i]..self.descendant_start[i + 1]]
+    }
+
+    #[inline(always)]
+    fn range(&self, i: usize) -> std::ops::Range<usize> {
         self.start[i]..self.start[i + 1]
+    }
+
+    /// Position of the first entry of row `i` in [`TreeMatrix::entries`].
+    #[inline(always)]
+    pub(super) fn start(&self, i: usize) -> usize {
+        self.start[i]
     }
 }
 
@@ -97,19 +139,24 @@ impl TreeMatrix {
         &self.values[self.pattern.range(i)]
     }
 
+    /// Entries of all rows, one row after the other.
+    #[inline(always)]
+    pub(super) fn entries(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Columns and entries of all rows, in order.
+    #[inline(always)]
+    pub(super) fn rows(&self) -> impl DoubleEndedIterator<Item = (&[usize], &[f64])> + ExactSizeIterator {
+        let Pattern { start, column, .. } = &self.pattern;
+        start.windows(2).map(|ends| (&column[ends[0]..ends[1]], &self.values[ends[0]..ends[1]]))
+    }
+
     /// Columns and entries of row `i`, for writing.
     #[inline(always)]
     pub fn row_mut(&mut self, i: usize) -> (&[usize], &mut [f64]) {
         let range = self.pattern.range(i);
         (&self.pattern.column[range.clone()], &mut self.values[range])
-    }
-
-    /// Rows before `i` (as one run of numbers, see [`Pattern`]), row `i`, and the pattern.
-    #[inline(always)]
-    pub(super) fn split_row(&mut self, i: usize) -> (&mut [f64], &mut [f64], &Pattern) {
-        let range = self.pattern.range(i);
-        let (before, rest) = self.values.split_at_mut(range.start);
-        (before, &mut rest[..range.end - range.start], &self.pattern)
     }
 
     /// Entry (i, j) of the symmetric matrix, `i` and `j` in any order; zero off the pattern.
