@@ -71,6 +71,9 @@ pub struct Plant {
     pub state: State,
     /// The state of the kinematics in `ws`.
     pub(super) kinematics_state: State,
+    /// Whether soles and vertices belong to that state. The next evaluation clears this: a contact
+    /// problem may change the vertices.
+    refreshed: bool,
     /// Dynamics at that state.
     pub ws: Workspace,
     /// W, a0 and sole velocities at that state.
@@ -147,6 +150,7 @@ impl Plant {
             command: setup.command,
             stops,
             kinematics_state: state.clone(),
+            refreshed: false,
             state,
             reduced: reduced::Reduced::new(&model, &ws),
             solution: Solution::new(&problem),
@@ -196,6 +200,7 @@ impl Plant {
         self.efforts(None);
         self.implicit_diagonal.fill(0.0);
         self.prescribe_accelerations(None);
+        self.refreshed = false;
         self.finish_free();
     }
 
@@ -205,6 +210,8 @@ impl Plant {
     pub fn evaluate_implicit(&mut self, dt: f64) {
         self.evaluations += 1;
         self.update_kinematics();
+        // Velocities and impulses of a contact problem replace the accelerations of its vertices.
+        self.refreshed &= self.problem.level == Level::Acceleration;
         self.drives.begin_step();
         self.evaluate_implicit_terms(dt);
         let nb = self.model.nb();
@@ -215,6 +222,7 @@ impl Plant {
         {
             self.evaluate_implicit_terms(dt);
         }
+        self.refreshed = false;
     }
 
     fn evaluate_implicit_terms(&mut self, dt: f64) {
@@ -238,6 +246,7 @@ impl Plant {
         let (state, at) = (&self.state, &mut self.kinematics_state);
         at.time = state.time;
         if *at != *state {
+            self.refreshed = false;
             at.copy_from(state);
             kinematics::update(&self.model, state, &mut self.ws);
         }
@@ -253,6 +262,7 @@ impl Plant {
         let model = Arc::make_mut(&mut self.model);
         model.links[link.0].set_body(body);
         self.problem.scale = load_scale(model, &self.gravity);
+        self.refreshed = false;
         self.kinematics_state.copy_from(&self.state);
         kinematics::update(&self.model, &self.state, &mut self.ws);
     }
@@ -347,19 +357,23 @@ impl Plant {
         crba::mass_matrix(&self.model, &mut self.ws);
         let prescribed = &self.reduced.prescribed;
         self.failure = self.dampers.factorize(&mut self.ws, &self.implicit_diagonal, prescribed).err();
-        if self.reduced.prescribed.is_empty() {
-            reduced::assemble(&self.model, &self.ws, &self.floor.rotation, &self.tau, &mut self.reduced);
-        } else {
-            self.move_prescribed_to_right();
-            reduced::assemble(&self.model, &self.ws, &self.floor.rotation, &self.scratch, &mut self.reduced);
+        if !self.refreshed {
+            reduced::geometry(&self.model, &self.ws, &self.floor.rotation, &mut self.reduced);
         }
+        if !self.reduced.prescribed.is_empty() {
+            self.move_prescribed_to_right();
+        }
+        let tau = if self.reduced.prescribed.is_empty() { &self.tau } else { &self.scratch };
+        reduced::assemble_with_geometry(&self.model, &self.ws, &self.floor.rotation, tau, &mut self.reduced);
         self.acceleration.copy_from_slice(&self.reduced.free);
         if self.failure.is_some() {
             self.acceleration.fill(f64::NAN);
         }
         self.problem.w.copy_from_slice(&self.reduced.w);
         self.problem.b.copy_from_slice(&self.reduced.a0);
-        self.update_vertices();
+        if !self.refreshed {
+            self.update_vertices();
+        }
     }
 
     /// Updates kinematics and vertices to `self.state`; forces stay those of the last step.
@@ -367,6 +381,7 @@ impl Plant {
         self.update_kinematics();
         reduced::geometry(&self.model, &self.ws, &self.floor.rotation, &mut self.reduced);
         self.update_vertices();
+        self.refreshed = true;
     }
 
     /// Copies the vertices into the contact problem, at the acceleration level.
@@ -381,11 +396,13 @@ impl Plant {
             let (linear, omega) = (Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
             let height = self.floor.height(&self.reduced.reference[s]);
             for (v, arm) in sole.vertices.iter_mut().zip(self.reduced.vertices(SoleId(s))) {
-                v.r = *arm;
-                v.height = height + v.r.z;
-                v.velocity = linear + omega.cross(&v.r);
-                v.bias = omega.cross(&omega.cross(&v.r));
-                v.moving = v.velocity.xy().norm_squared() > self.rest * self.rest;
+                // Values just stored are not read again: the processor would wait for them.
+                let r = *arm;
+                let turn = omega.cross(&r);
+                let velocity = linear + turn;
+                (v.r, v.height, v.velocity) = (r, height + r.z, velocity);
+                v.bias = omega.cross(&turn);
+                v.moving = velocity.xy().norm_squared() > self.rest * self.rest;
                 v.near = false;
             }
         }

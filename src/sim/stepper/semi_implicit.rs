@@ -150,14 +150,15 @@ pub(super) fn set_velocity_problem(sim: &mut RunState, dt: f64) {
         // gap within it. One that decides from heights may clamp a vertex up to the distance
         // tolerance above the floor, and stops it there.
         let closes = matches!(scheme, Scheme::EventDriven | Scheme::TimeStepping);
-        let gap = fit_plane(&p.soles[s], |i| match scheme {
-            Scheme::EventDriven => p.soles[s].vertices[i].height.max(0.0),
-            Scheme::DecidedPerStep | Scheme::Compliant => 0.0,
+        let sole = &p.soles[s];
+        let gap = match scheme {
+            Scheme::EventDriven => fit_plane(sole, |i| sole.vertices[i].height.max(0.0)),
+            Scheme::DecidedPerStep | Scheme::Compliant => Vector3::zeros(),
             // A vertex below the floor is pushed out.
-            Scheme::TimeStepping => p.soles[s].vertices[i].height,
-        });
+            Scheme::TimeStepping => fit_plane(sole, |i| sole.vertices[i].height),
+        };
         p.soles[s].target = gap * (-1.0 / dt);
-        let fastest = p.soles[s].vertices.iter().map(|v| v.velocity.norm()).fold(0.0, f64::max);
+        let fastest = p.soles[s].vertices.iter().map(|v| v.velocity.norm_squared()).fold(0.0, f64::max).sqrt();
         for i in 0..p.soles[s].vertices.len() {
             let free = p.vertex_motion(&p.b, s, i).z;
             let v = &mut p.soles[s].vertices[i];
