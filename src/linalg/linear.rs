@@ -144,30 +144,32 @@ impl Linear {
         let upper = &mut self.copy[..n * n];
         upper.copy_from_slice(a);
         let least = CLEAR * (0..n).map(|k| a[k * n + k]).fold(0.0, f64::max);
-        for (k, inverse) in self.inverse[..n].iter_mut().enumerate() {
-            let (above, below) = upper.split_at_mut((k + 1) * n);
-            let pivot_row = &above[k * n..];
-            if !(pivot_row[k] > least) {
-                return false;
-            }
-            *inverse = 1.0 / pivot_row[k];
-            for (i, row) in below.chunks_exact_mut(n).enumerate().map(|(i, row)| (k + 1 + i, row)) {
-                let f = pivot_row[i] * *inverse;
-                row[i..].iter_mut().zip(&pivot_row[i..]).for_each(|(x, p)| *x -= f * p);
-            }
+        let inverse = &mut self.inverse[..n];
+        let definite = match n {
+            6 => eliminate_definite(upper.as_chunks_mut::<6>().0, inverse, least),
+            12 => eliminate_definite(upper.as_chunks_mut::<12>().0, inverse, least),
+            _ => eliminate_definite_of_any_order(upper, inverse, least),
+        };
+        if definite {
+            (self.rank, self.factors) = (n, Factors::Definite);
         }
-        (self.rank, self.factors) = (n, Factors::Definite);
-        true
+        definite
     }
 
     /// Solves `U^T D^-1 U x = b` in place.
     fn apply_definite(&self, b: &mut [f64]) {
         let n = b.len();
-        for k in 0..n {
-            b[k] *= self.inverse[k];
-            let (done, rest) = b.split_at_mut(k + 1);
-            let row = &self.copy[k * n + k + 1..(k + 1) * n];
-            rest.iter_mut().zip(row).for_each(|(b, u)| *b -= u * done[k]);
+        match n {
+            6 => solve_transposed(self.copy.as_chunks::<6>().0, &self.inverse, b),
+            12 => solve_transposed(self.copy.as_chunks::<12>().0, &self.inverse, b),
+            _ => {
+                for k in 0..n {
+                    b[k] *= self.inverse[k];
+                    let (done, rest) = b.split_at_mut(k + 1);
+                    let row = &self.copy[k * n + k + 1..(k + 1) * n];
+                    rest.iter_mut().zip(row).for_each(|(b, u)| *b -= u * done[k]);
+                }
+            }
         }
         for k in (0..n).rev() {
             let row = &self.copy[k * n + k + 1..(k + 1) * n];
@@ -287,6 +289,54 @@ impl Linear {
             x.iter_mut().zip(&self.null[f * rank..]).for_each(|(x, z)| *x -= z * y);
         }
     }
+}
+
+/// Replaces a symmetric matrix by U on and above the diagonal, and writes the inverses of the pivots.
+/// Returns whether all pivots exceed `least`.
+///
+/// Below the diagonal numbers without meaning result: rows of constant length stay in registers.
+fn eliminate_definite<const N: usize>(rows: &mut [[f64; N]], inverse: &mut [f64], least: f64) -> bool {
+    for (k, inverse) in inverse.iter_mut().enumerate() {
+        let pivot_row = rows[k];
+        if !(pivot_row[k] > least) {
+            return false;
+        }
+        *inverse = 1.0 / pivot_row[k];
+        for (row, x) in rows[k + 1..].iter_mut().zip(&pivot_row[k + 1..]) {
+            let f = x * *inverse;
+            row.iter_mut().zip(&pivot_row).for_each(|(x, p)| *x -= f * p);
+        }
+    }
+    true
+}
+
+/// Solves `U^T D^-1 x = b` in place, `rows` of [`eliminate_definite`].
+fn solve_transposed<const N: usize>(rows: &[[f64; N]], inverse: &[f64], b: &mut [f64]) {
+    // Numbers before the present one have no meaning in `rest`.
+    let mut rest: [f64; N] = std::array::from_fn(|i| b[i]);
+    for (k, ((b, row), inverse)) in b.iter_mut().zip(rows).zip(inverse).enumerate() {
+        let x = rest[k] * inverse;
+        *b = x;
+        rest.iter_mut().zip(row).for_each(|(rest, u)| *rest -= u * x);
+    }
+}
+
+/// As [`eliminate_definite`], without writing below the diagonal.
+fn eliminate_definite_of_any_order(upper: &mut [f64], inverse: &mut [f64], least: f64) -> bool {
+    let n = inverse.len();
+    for (k, inverse) in inverse.iter_mut().enumerate() {
+        let (above, below) = upper.split_at_mut((k + 1) * n);
+        let pivot_row = &above[k * n..];
+        if !(pivot_row[k] > least) {
+            return false;
+        }
+        *inverse = 1.0 / pivot_row[k];
+        for (i, row) in below.chunks_exact_mut(n).enumerate().map(|(i, row)| (k + 1 + i, row)) {
+            let f = pivot_row[i] * *inverse;
+            row[i..].iter_mut().zip(&pivot_row[i..]).for_each(|(x, p)| *x -= f * p);
+        }
+    }
+    true
 }
 
 /// Solves `G y = b` in place for a symmetric positive definite G, n x n.

@@ -26,7 +26,7 @@
 //! centre there. A sliding sole sticks when its sliding velocities have reversed or vanished; if
 //! only one vertex stops, the sole turns about it. A landing sole sticks if it is slower than v_t.
 
-use crate::contact::model::problem::{Problem, SoleProblem, Tolerances};
+use crate::contact::model::problem::{Problem, SoleProblem, Tolerances, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
 use crate::contact::search::judge::{self, friction_suffices, margin};
@@ -82,10 +82,14 @@ pub fn cheapest(votes: &[Vote], normal: &[f64], now: Pattern) -> Pattern {
 pub fn pattern(p: &Problem, s: usize, before: SoleState, last: &Solution, tol: &Tolerances) -> Pattern {
     let vertices = &p.soles[s].vertices;
     let k = vertices.len();
-    let mut votes = [Vote { clamp: false, weight: 0.0 }; 64];
-    for (i, (v, n)) in vertices.iter().zip(&last.normal[s]).enumerate() {
-        votes[i] = vote(v.height, v.velocity.z, before.clamps(i, k), *n, k, tol);
+    let cast = |(i, (v, n)): (usize, (&Vertex, &f64))| vote(v.height, v.velocity.z, before.clamps(i, k), *n, k, tol);
+    let ballots = || vertices.iter().zip(&last.normal[s]).enumerate().map(cast);
+    // Usually all votes are for the present pattern.
+    if ballots().enumerate().all(|(i, vote)| vote.clamp == before.clamps(i, k)) {
+        return before.pattern;
     }
+    let mut votes = [Vote { clamp: false, weight: 0.0 }; 64];
+    votes.iter_mut().zip(ballots()).for_each(|(to, vote)| *to = vote);
     cheapest(&votes[..k], &last.normal[s], before.pattern)
 }
 

@@ -12,7 +12,7 @@
 //! active set with step halving.
 
 use crate::contact::model::problem::{SoleProblem, Vertex};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 /// Row A_i of the pressure rule.
 pub fn basis(sole: &SoleProblem, i: usize) -> Vector3<f64> {
@@ -33,7 +33,7 @@ pub fn share(sole: &SoleProblem, force: f64, moment: [f64; 2], normal: &mut [f64
     };
     let linear = y;
     let vertices = &sole.vertices;
-    let mut converged = vertices.iter().all(|v| pressure(sole, &y, v) >= 0.0);
+    let mut converged = vertices.iter().map(pressures(sole, &y)).all(|n| n >= 0.0);
     for _ in 0..50 {
         if converged {
             break;
@@ -45,21 +45,23 @@ pub fn share(sole: &SoleProblem, force: f64, moment: [f64; 2], normal: &mut [f64
             t *= 0.5;
         }
         let next = y + (target - y) * t;
-        let active = |y: &Vector3<f64>, v: &Vertex| pressure(sole, y, v) > 0.0;
-        converged = t == 1.0 && vertices.iter().all(|v| active(&next, v) == active(&y, v));
+        let (before, after) = (pressures(sole, &y), pressures(sole, &next));
+        converged = t == 1.0 && vertices.iter().all(|v| (after(v) > 0.0) == (before(v) > 0.0));
         y = next;
     }
     let mut carried = Vector3::zeros();
-    for (n, v) in normal.iter_mut().zip(vertices) {
-        *n = pressure(sole, &y, v).max(0.0);
-        carried += Vector3::new(*n, v.r.x * *n, v.r.y * *n);
+    let pressure = pressures(sole, &y);
+    for (to, v) in normal.iter_mut().zip(vertices) {
+        let n = pressure(v).max(0.0);
+        *to = n;
+        carried += Vector3::new(n, v.r.x * n, v.r.y * n);
     }
     // With the centre of pressure outside, the damped steps converge to a pressure that does not
     // carry the load.
     let carried = carried.component_mul(&units(sole));
     let inside = converged && (carried - q).norm() <= 1e-9 * q.norm();
     if !inside {
-        normal.iter_mut().zip(vertices).for_each(|(n, v)| *n = pressure(sole, &linear, v));
+        normal.iter_mut().zip(vertices.iter().map(pressures(sole, &linear))).for_each(|(to, n)| *to = n);
     }
     inside
 }
@@ -70,30 +72,51 @@ fn units(sole: &SoleProblem) -> Vector3<f64> {
     Vector3::new(1.0, unit, unit)
 }
 
-/// `A_i . y` at a vertex.
-fn pressure(sole: &SoleProblem, y: &Vector3<f64>, v: &Vertex) -> f64 {
+/// `A_i . y` at each vertex.
+fn pressures(sole: &SoleProblem, y: &Vector3<f64>) -> impl Fn(&Vertex) -> f64 + use<> {
     let y = y.component_mul(&units(sole));
-    y.x + v.r.x * y.y + v.r.y * y.z
+    move |v| y.x + v.r.x * y.y + v.r.y * y.z
 }
 
 fn dual(sole: &SoleProblem, q: &Vector3<f64>, y: &Vector3<f64>) -> f64 {
-    let sum: f64 = sole.vertices.iter().map(|v| pressure(sole, y, v).max(0.0).powi(2)).sum();
+    let sum: f64 = sole.vertices.iter().map(pressures(sole, y)).map(|n| n.max(0.0).powi(2)).sum();
     0.5 * sum - q.dot(y)
 }
 
 /// Stationary point of the dual on the active set of `at` (all vertices when `None`).
 fn newton_point(sole: &SoleProblem, q: &Vector3<f64>, at: Option<&Vector3<f64>>) -> Option<Vector3<f64>> {
-    let mut gram = Matrix3::zeros();
-    for v in sole.vertices.iter().filter(|v| at.is_none_or(|y| pressure(sole, y, v) > 0.0)) {
-        let a = Vector3::new(1.0, v.r.x, v.r.y);
-        gram += a * a.transpose();
+    let at = at.map(|y| pressures(sole, y));
+    let (mut number, mut first, mut second) = (0.0, [0.0; 2], [0.0; 3]);
+    for v in sole.vertices.iter().filter(|v| at.as_ref().is_none_or(|pressure| pressure(v) > 0.0)) {
+        let (x, y) = (v.r.x, v.r.y);
+        number += 1.0;
+        first = [first[0] + x, first[1] + y];
+        second = [second[0] + x * x, second[1] + y * x, second[2] + y * y];
     }
-    let units = units(sole);
-    gram.component_mul_assign(&(units * units.transpose()));
+    let unit = units(sole).y;
+    let (first, second) = (first.map(|x| x * unit), second.map(|x| x * (unit * unit)));
     // A two-vertex active set (centre of pressure on an edge) leaves one direction undetermined.
     // Damping of relative size 1e-14 selects the least y and changes N by as much.
-    gram += Matrix3::identity() * (1e-14 * gram.trace());
-    gram.cholesky().map(|c| c.solve(q))
+    let damping = 1e-14 * (number + second[0] + second[2]);
+    let lower = [number + damping, first[0], first[1], second[0] + damping, second[1], second[2] + damping];
+    solve_definite(lower, q)
+}
+
+/// Solves a symmetric system by its Cholesky factor L L^T. `a` is its lower triangle, column by
+/// column. None if it is not positive definite.
+fn solve_definite(a: [f64; 6], q: &Vector3<f64>) -> Option<Vector3<f64>> {
+    let root = |x: f64| (x > 0.0).then(|| x.sqrt());
+    let l00 = root(a[0])?;
+    let (l10, l20) = (a[1] / l00, a[2] / l00);
+    let l11 = root(a[3] - l10 * l10)?;
+    let l21 = (a[4] - l10 * l20) / l11;
+    let l22 = root(a[5] - l20 * l20 - l21 * l21)?;
+    let x = q.x / l00;
+    let y = (q.y - l10 * x) / l11;
+    let z = (q.z - l20 * x - l21 * y) / l22 / l22;
+    let y = (y - l21 * z) / l11;
+    let x = (x - (l10 * y + l20 * z)) / l00;
+    Some(Vector3::new(x, y, z))
 }
 
 #[cfg(test)]

@@ -140,6 +140,8 @@ fn static_margin(
     tangent: &[Vector2<f64>],
     wrench: &[f64],
 ) -> f64 {
+    /// Most vertices of most soles: less scratch to clear.
+    const FEW: usize = 8;
     let k = sole.vertices.len();
     let capacity = |i: usize| sole.vertices[i].mu_s * normal[i].max(0.0);
     match pattern {
@@ -152,20 +154,26 @@ fn static_margin(
             let side = [tangent[i].dot(&across), tangent[j].dot(&across)];
             -friction_capacity::edge_excess([capacity(i), capacity(j)], side, (tangent[i] + tangent[j]).dot(&along))
         }
-        Pattern::Face => {
-            let mut points = [(0.0, Vector2::zeros()); 64];
-            (0..k).for_each(|i| points[i] = (capacity(i), sole.vertices[i].r.xy()));
-            // The wrench itself is tested: without normal load its split over the vertices need not
-            // exist. A step that turns the sole changes the moment of its vertex forces slightly.
-            let (points, force) = (&points[..k], Vector2::new(wrench[0], wrench[1]));
-            let mut balanced = [Vector2::zeros(); 64];
-            friction_capacity::balance(points, tangent, &force, wrench[5], &mut balanced);
-            if friction_capacity::carries(points, &balanced, &force, wrench[5], sole.radius) {
-                return 0.0;
-            }
-            friction_capacity::face(points, &force, wrench[5], sole.radius).0
-        }
+        Pattern::Face if k <= FEW => face_margin::<FEW>(sole, normal, tangent, wrench),
+        Pattern::Face => face_margin::<64>(sole, normal, tangent, wrench),
     }
+}
+
+/// [`static_margin`] of a face of at most `MOST` vertices.
+fn face_margin<const MOST: usize>(sole: &SoleProblem, normal: &[f64], tangent: &[Vector2<f64>], wrench: &[f64]) -> f64 {
+    let mut points = [(0.0, Vector2::zeros()); MOST];
+    for (point, (v, n)) in points.iter_mut().zip(sole.vertices.iter().zip(normal)) {
+        *point = (v.mu_s * n.max(0.0), v.r.xy());
+    }
+    // The wrench itself is tested: without normal load its split over the vertices need not exist. A
+    // step that turns the sole changes the moment of its vertex forces slightly.
+    let (points, force) = (&points[..sole.vertices.len()], Vector2::new(wrench[0], wrench[1]));
+    let mut balanced = [Vector2::zeros(); MOST];
+    friction_capacity::balance(points, tangent, &force, wrench[5], &mut balanced);
+    if friction_capacity::carries(points, &balanced, &force, wrench[5], sole.radius) {
+        return 0.0;
+    }
+    friction_capacity::face(points, &force, wrench[5], sole.radius).0
 }
 
 fn resultant_gap(sole: &SoleProblem, normal: &[f64], tangent: &[Vector2<f64>], wrench: &[f64]) -> f64 {

@@ -33,6 +33,7 @@ impl JointStop {
     }
 
     /// Effort at position `q` and velocity `qd`.
+    #[inline]
     pub fn effort(&self, joint: &Joint, q: f64, qd: f64) -> f64 {
         if joint.kind == JointKind::Continuous {
             0.0
@@ -47,6 +48,7 @@ impl JointStop {
 }
 
 /// Servo effort before the effort limit.
+#[inline]
 pub fn desired_effort(j: usize, q: f64, qd: f64, command: &Command) -> f64 {
     match command.mode[j] {
         DriveMode::Position => {
@@ -60,6 +62,7 @@ pub fn desired_effort(j: usize, q: f64, qd: f64, command: &Command) -> f64 {
 }
 
 /// Servo effort, and whether the limit clips it.
+#[inline]
 pub fn servo(joint: &Joint, j: usize, q: f64, qd: f64, command: &Command) -> (f64, bool) {
     let desired = desired_effort(j, q, qd, command);
     let clipped = desired.clamp(-joint.effort_limit, joint.effort_limit);
@@ -69,6 +72,7 @@ pub fn servo(joint: &Joint, j: usize, q: f64, qd: f64, command: &Command) -> (f6
 /// Implicit terms of an unclipped servo in a velocity-level step of size `dt`: the effort from the
 /// position that the present velocity leads to, and `dt` times the decrease of the effort per
 /// change of velocity.
+#[inline]
 pub fn implicit_servo(j: usize, qd: f64, command: &Command, dt: f64) -> (f64, f64) {
     match command.mode[j] {
         DriveMode::Position => (-command.kp[j] * dt * qd, dt * command.kd[j] + dt * dt * command.kp[j]),
