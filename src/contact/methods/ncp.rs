@@ -187,7 +187,7 @@ impl Sweeps {
         for (c, point) in points.list().iter().enumerate() {
             let block = points.block(c, c);
             let (mean, half) = (0.5 * (block[(0, 0)] + block[(1, 1)]), 0.5 * (block[(0, 0)] - block[(1, 1)]));
-            let (normal, tangential) = (block[(2, 2)], mean + half.hypot(block[(0, 1)]));
+            let (normal, tangential) = (block[(2, 2)], mean + (half * half + block[(0, 1)] * block[(0, 1)]).sqrt());
             self.own[c] = Own {
                 normal,
                 tangential,
@@ -246,11 +246,17 @@ impl Sweeps {
         greatest.sqrt()
     }
 
-    /// Adds the response of the motions to a wrench on sole `s`.
+    /// Adds the response of the motions of the other soles to a wrench on sole `s`.
     fn transmit(&mut self, p: &Problem, s: usize, wrench: &[f64; 6]) {
         let dim = p.dim();
-        for (m, row) in self.motion.iter_mut().zip(p.w.chunks_exact(dim)) {
-            *m += row[6 * s..6 * s + 6].iter().zip(wrench).map(|(w, x)| w * x).sum::<f64>();
+        for (t, motion) in self.motion.as_chunks_mut::<6>().0.iter_mut().enumerate().filter(|(t, _)| *t != s) {
+            let mut change = [0.0; 6];
+            for (k, x) in wrench.iter().enumerate() {
+                // W is symmetric: its rows are its columns.
+                let column = &p.w[(6 * s + k) * dim + 6 * t..][..6];
+                change.iter_mut().zip(column).for_each(|(sum, w)| *sum += w * x);
+            }
+            motion.iter_mut().zip(change).for_each(|(m, change)| *m += change);
         }
     }
 }
@@ -259,6 +265,14 @@ impl Sweeps {
 fn stride(n: usize) -> usize {
     let divisor = |a: usize, b: usize| (1..=a).rev().find(|d| a.is_multiple_of(*d) && b.is_multiple_of(*d));
     (1..=n / 2).rev().find(|s| divisor(*s, n) == Some(1)).unwrap_or(1)
+}
+
+/// Factor that shortens a vector of this squared length to `limit`. Out of line: computed for every
+/// point, root and quotient would delay those that stick.
+#[cold]
+#[inline(never)]
+fn ratio(limit: f64, square: f64) -> f64 {
+    limit / square.sqrt()
 }
 
 impl Own {
@@ -276,7 +290,7 @@ impl Own {
             let mut t = before.xy() - (v.xy() + self.drift * rise) * tangential;
             let (limit, square) = (point.mu * impulse.z, t.norm_squared());
             if square > limit * limit {
-                t *= limit / square.sqrt();
+                t *= ratio(limit, square);
             }
             (impulse.x, impulse.y) = (t.x, t.y);
         }

@@ -78,15 +78,15 @@ impl Points {
         }
         for (c, point) in self.list.iter().enumerate() {
             let columns = &mut self.columns[3 * c * self.dim..][..3 * self.dim];
-            // W is symmetric: its rows are its columns.
-            let w = |k: usize| p.w[(6 * point.sole + k) * self.dim..][..self.dim].iter();
+            // W is symmetric: its rows are its columns. Six numbers of a sole stay in registers.
+            let w = |k: usize| p.w[(6 * point.sole + k) * self.dim..][..self.dim].as_chunks::<6>().0;
             for (axis, column) in columns.chunks_exact_mut(self.dim).enumerate() {
                 // Moments of a unit force along the axis: none about the axis itself.
                 let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
                 let (about_i, about_j) = (point.r[j], -point.r[i]);
-                let terms = w(axis).zip(w(3 + i)).zip(w(3 + j));
-                for (x, ((force, turn_i), turn_j)) in column.iter_mut().zip(terms) {
-                    *x = force + turn_i * about_i + turn_j * about_j;
+                let terms = w(axis).iter().zip(w(3 + i)).zip(w(3 + j));
+                for (x, ((force, turn_i), turn_j)) in column.as_chunks_mut::<6>().0.iter_mut().zip(terms) {
+                    *x = std::array::from_fn(|r| force[r] + turn_i[r] * about_i + turn_j[r] * about_j);
                 }
             }
         }
@@ -110,8 +110,9 @@ impl Points {
 
     /// Adds the response of the motions to an impulse at point `c`.
     pub fn add_response(&self, c: usize, impulse: &Vector3<f64>, motion: &mut [f64]) {
-        for (axis, x) in impulse.iter().enumerate() {
-            motion.iter_mut().zip(self.column(c, axis)).for_each(|(m, y)| *m += y * x);
+        let column = |axis: usize| self.column(c, axis).as_chunks::<6>().0.iter();
+        for (((m, x), y), z) in motion.as_chunks_mut::<6>().0.iter_mut().zip(column(0)).zip(column(1)).zip(column(2)) {
+            *m = std::array::from_fn(|r| m[r] + x[r] * impulse.x + y[r] * impulse.y + z[r] * impulse.z);
         }
     }
 
