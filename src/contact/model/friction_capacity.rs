@@ -87,7 +87,7 @@ pub fn face(points: &[(f64, Vector2<f64>)], force: &Vector2<f64>, yaw: f64, radi
 /// If so the margin of the face is positive and need not be computed. If not, other forces may
 /// still carry the load.
 pub fn carries(
-    points: &[(f64, Vector2<f64>)],
+    points: impl IntoIterator<Item = (f64, Vector2<f64>)>,
     tangent: &[Vector2<f64>],
     force: &Vector2<f64>,
     yaw: f64,
@@ -96,7 +96,7 @@ pub fn carries(
     /// Fraction of the capacity that must stay unused, far above rounding.
     const SPARE: f64 = 1e-9;
     let (mut sum, mut turn, mut total) = (-*force, -yaw, 0.0);
-    for ((c, r), t) in points.iter().zip(tangent) {
+    for ((c, r), t) in points.into_iter().zip(tangent) {
         if !(t.norm_squared() <= c * c * (1.0 - SPARE)) {
             return false;
         }
@@ -315,11 +315,11 @@ mod tests {
                 (0..4).map(|i| Vector2::new((a + i as f64).sin(), (2.3 * a * i as f64).cos()) * size).collect();
             let force: Vector2<f64> = tangent.iter().sum();
             let yaw: f64 = points.iter().zip(&tangent).map(|((_, r), t)| r.perp(t)).sum();
-            let carried = carries(&points, &tangent, &force, yaw, R);
+            let carried = carries(points.iter().copied(), &tangent, &force, yaw, R);
             seen[usize::from(carried)] += 1;
             assert!(!carried || face(&points, &force, yaw, R).0 > 0.0, "{k}");
             // The forces do not carry a load that differs from their sum.
-            assert!(!carries(&points, &tangent, &force, yaw + 1e-6, R));
+            assert!(!carries(points.iter().copied(), &tangent, &force, yaw + 1e-6, R));
             // Balanced forces carry any load.
             let (force, yaw) = (Vector2::new(0.3, -0.1), 0.02);
             let mut balanced = [Vector2::zeros(); 4];

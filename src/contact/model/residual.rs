@@ -170,7 +170,7 @@ fn face_margin<const MOST: usize>(sole: &SoleProblem, normal: &[f64], tangent: &
     let (points, force) = (&points[..sole.vertices.len()], Vector2::new(wrench[0], wrench[1]));
     let mut balanced = [Vector2::zeros(); MOST];
     friction_capacity::balance(points, tangent, &force, wrench[5], &mut balanced);
-    if friction_capacity::carries(points, &balanced, &force, wrench[5], sole.radius) {
+    if friction_capacity::carries(points.iter().copied(), &balanced, &force, wrench[5], sole.radius) {
         return 0.0;
     }
     friction_capacity::face(points, &force, wrench[5], sole.radius).0

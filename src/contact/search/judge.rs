@@ -332,10 +332,8 @@ fn normal_margin(p: &Problem, state: SoleState, s: usize, solution: &Solution) -
 pub fn friction_suffices(p: &Problem, states: &States, s: usize, solution: &Solution) -> bool {
     let sole = &p.soles[s];
     let w = &solution.wrench[6 * s..6 * s + 6];
-    let mut points = [(0.0, Vector2::zeros()); 64];
     let vertices = sole.vertices.iter().zip(&solution.normal[s]);
-    points.iter_mut().zip(vertices).for_each(|(point, (v, n))| *point = (v.mu_s * n.max(0.0), v.r.xy()));
-    let points = &points[..sole.vertices.len()];
+    let points = vertices.map(|(v, n)| (v.mu_s * n.max(0.0), v.r.xy()));
     states[s] == SoleState::fixed(Pattern::Face)
         && !sole_group::is_shared(p, states, s)
         && friction_capacity::carries(points, &solution.tangent[s], &Vector2::new(w[0], w[1]), w[5], sole.radius)

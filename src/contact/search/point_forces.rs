@@ -39,17 +39,18 @@
 //! The result names states to be tested; the accuracy of their forces is that of the candidate
 //! solve. A vertex in motion has mu_k. One at rest has mu_s, and mu_k once it slips.
 
+mod readings;
+
 use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::solution::{Solution, wrench_at};
-use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
 use crate::linalg::anderson::Anderson;
 use crate::linalg::linear::Linear;
 use nalgebra::{Vector2, Vector3};
 
-/// Most iterations of the alternating directions, and most visits to all points.
-const STAGES: [usize; 2] = [400, 1000];
-/// Friction, relative to what holds at most, with which a vertex is at its limit.
-const LIMIT: f64 = 1.0 - 1e-9;
+/// Most iterations of the alternating directions.
+const ITERATIONS: usize = 400;
+/// Most visits to all points.
+const VISITS: usize = 1000;
 /// Residuals at which the states are read, relative to load and motion: far below the forces and
 /// motions by which states differ, far above rounding.
 const ACCURATE: f64 = 1e-9;
@@ -90,6 +91,12 @@ impl Point {
         self.dual = (x - self.split) * rho;
     }
 
+    /// Its motion less the target, for the motions of the soles.
+    fn motion(&self, p: &Problem, motion: &[f64]) -> Vector3<f64> {
+        let change: [f64; 6] = std::array::from_fn(|r| motion[6 * self.sole + r] - p.b[6 * self.sole + r]);
+        self.free + motion_at(&change, &self.r)
+    }
+
     /// The normal part of s.
     fn shift(&self) -> f64 {
         match self.direction {
@@ -111,8 +118,9 @@ pub struct PointForces {
     /// Penalty of the method.
     rho: f64,
     acceleration: Anderson,
-    /// Index in [`STAGES`], iterations in this stage so far, and the residual after the last.
-    stage: usize,
+    /// Whether the points are visited in turn, iterations or visits so far, and the residual after
+    /// the last.
+    is_visiting: bool,
     iterations: usize,
     residual: f64,
     /// Whether slipping vertices have got mu_k.
@@ -132,7 +140,7 @@ impl PointForces {
             motion: vec![0.0; n],
             rho: 1.0,
             acceleration: Anderson::new(3 * p.vertex_indices().count().min(MAX_POINTS)),
-            stage: 0,
+            is_visiting: false,
             iterations: 0,
             residual: 0.0,
             has_slips: false,
@@ -144,7 +152,7 @@ impl PointForces {
     pub fn solve(&mut self, p: &Problem, touches: impl Fn(usize, usize) -> bool) -> f64 {
         self.begin(p, touches, None);
         while !self.is_done {
-            self.advance(p, STAGES[0]);
+            self.advance(p, ITERATIONS);
         }
         self.residual
     }
@@ -180,7 +188,7 @@ impl PointForces {
                 tangential: 0.0,
             });
         }
-        (self.stage, self.iterations) = (0, 0);
+        (self.is_visiting, self.iterations) = (false, 0);
         self.has_slips = false;
         self.is_done = self.points.is_empty();
         self.residual = if self.is_done { 0.0 } else { f64::INFINITY };
@@ -202,9 +210,7 @@ impl PointForces {
     /// Sets l = -z from the motions of the soles.
     fn set_duals(&mut self, p: &Problem) {
         for point in &mut self.points {
-            let at = 6 * point.sole..6 * point.sole + 6;
-            let change: [f64; 6] = std::array::from_fn(|r| self.motion[at.start + r] - p.b[at.start + r]);
-            point.dual = -(point.free + motion_at(&change, &point.r));
+            point.dual = -point.motion(p, &self.motion);
             point.dual.z -= point.shift();
         }
     }
@@ -215,7 +221,7 @@ impl PointForces {
             if self.is_done {
                 return;
             }
-            if self.stage == 1 {
+            if self.is_visiting {
                 self.visit(p)
             } else {
                 self.iterate(p)
@@ -223,27 +229,14 @@ impl PointForces {
             self.iterations += 1;
             if self.residual < ACCURATE {
                 self.is_done = !self.let_slip(p);
-                if !self.is_done {
-                    self.begin_stage(p, 0);
-                }
-            } else if self.iterations == STAGES[self.stage] {
+                (self.is_visiting, self.iterations) = (false, 0);
+                self.acceleration.restart();
+            } else if self.is_visiting {
+                self.is_done |= self.iterations == VISITS;
+            } else if self.iterations == ITERATIONS {
                 // A jamming vertex has no solution to which visits could converge.
-                self.is_done = self.stage + 1 == STAGES.len() || (self.stage == 0 && !self.begin_visits(p));
-                if !self.is_done {
-                    self.begin_stage(p, self.stage + 1);
-                }
+                self.is_done = !self.begin_visits(p);
             }
-        }
-    }
-
-    fn begin_stage(&mut self, p: &Problem, stage: usize) {
-        (self.stage, self.iterations) = (stage, 0);
-        self.acceleration.restart();
-        if stage == 1 {
-            for point in &mut self.points {
-                point.force = point.split;
-            }
-            self.motion(p);
         }
     }
 
@@ -356,7 +349,7 @@ impl PointForces {
         }
     }
 
-    /// Prepares the visits. Returns false if a moving vertex jams: its normal response is not
+    /// Begins the visits. Returns false if a moving vertex jams: its normal response is not
     /// positive.
     fn begin_visits(&mut self, p: &Problem) -> bool {
         let n = p.dim();
@@ -375,6 +368,9 @@ impl PointForces {
             let u = point.direction.unwrap_or_default() * -point.mu;
             point.normal = own(&Vector3::new(u.x, u.y, 1.0)).z;
         }
+        self.points.iter_mut().for_each(|point| point.force = point.split);
+        self.motion(p);
+        (self.is_visiting, self.iterations) = (true, 0);
         self.points.iter().all(|point| point.normal > 0.0 && point.tangential > 0.0)
     }
 
@@ -382,12 +378,7 @@ impl PointForces {
     fn visit(&mut self, p: &Problem) {
         let n = p.dim();
         for point in &mut self.points {
-            let at = 6 * point.sole..6 * point.sole + 6;
-            let z = |motion: &[f64]| {
-                let change: [f64; 6] = std::array::from_fn(|r| motion[at.start + r] - p.b[at.start + r]);
-                point.free + motion_at(&change, &point.r)
-            };
-            let (before, m) = (point.force, z(&self.motion));
+            let (before, m) = (point.force, point.motion(p, &self.motion));
             let normal = (before.z - m.z / point.normal).max(0.0);
             let tangent = match point.direction {
                 Some(u) => u * (-point.mu * normal),
@@ -396,7 +387,7 @@ impl PointForces {
             point.force = Vector3::new(tangent.x, tangent.y, normal);
             let wrench = wrench_at(&point.r, &(point.force - before));
             for (m, row) in self.motion.iter_mut().zip(p.w.chunks_exact(n)) {
-                *m += row[at.clone()].iter().zip(wrench).map(|(w, x)| w * x).sum::<f64>();
+                *m += row[6 * point.sole..].iter().zip(wrench).map(|(w, x)| w * x).sum::<f64>();
             }
         }
         self.points.iter_mut().for_each(|point| point.split = point.force);
@@ -440,81 +431,6 @@ impl PointForces {
         }
         (0..n).for_each(|i| self.matrix[i * n + i] += rho);
         self.linear.factor(&mut self.matrix, n);
-    }
-
-    /// The states that the solution indicates: the smallest pattern over the carrying vertices, those
-    /// with more than `least` of the greatest force. It slides if those slip, by more than `slips` of
-    /// the motion without contact, about the only one that does not.
-    pub fn states(&self, p: &Problem, least: f64, slips: f64) -> States {
-        let mut states = States::default();
-        let load = self.load();
-        for s in 0..p.soles.len().min(MAX_SOLES) {
-            let k = p.soles[s].vertices.len();
-            let carrying = self.points_of(s).filter(|point| point.split.z > least * load);
-            let carrying = carrying.fold(0u64, |set, point| set | 1 << point.vertex);
-            let pattern = Pattern::covering(k, |i| carrying >> i & 1 == 1);
-            if pattern != Pattern::Free {
-                states[s] = SoleState { pattern, mode: self.mode(s, carrying, slips) };
-            }
-        }
-        states
-    }
-
-    /// States of sole `s` on fewer vertices than carry it: edges both of whose vertices do, then
-    /// vertices, each by decreasing load. An edge that sticks may turn about its heavier end. Adds at
-    /// most `most` to `list`.
-    pub fn parts(&self, p: &Problem, s: usize, slips: f64, most: usize, list: &mut Vec<SoleState>) {
-        let k = p.soles[s].vertices.len();
-        let load = |i: usize| self.points_of(s).find(|point| point.vertex == i).map_or(0.0, |point| point.split.z);
-        let patterns =
-            SoleState::patterns(k).filter(|pattern| matches!(pattern, Pattern::Vertex(_) | Pattern::Edge(_)));
-        let first = list.len();
-        for pattern in patterns {
-            let state = SoleState::fixed(pattern);
-            let vertices = || (0..k).filter(|&i| state.clamps(i, k));
-            if vertices().all(|i| load(i) > 0.0) {
-                let set = vertices().fold(0u64, |set, i| set | 1 << i);
-                let mode = self.mode(s, set, slips);
-                list.push(SoleState { pattern, mode });
-                if let (Mode::Static, Pattern::Edge(_)) = (mode, pattern)
-                    && let Some(i) = vertices().max_by(|&i, &j| load(i).total_cmp(&load(j)))
-                {
-                    list.push(SoleState { pattern, mode: Mode::Pivoting(i as u8) });
-                }
-            }
-        }
-        let sum = |state: &SoleState| (0..k).filter(|&i| state.clamps(i, k)).map(load).sum::<f64>();
-        let order = |a: &SoleState, b: &SoleState| {
-            b.normal_rows().cmp(&a.normal_rows()).then_with(|| sum(b).total_cmp(&sum(a))).then_with(|| a.cmp(b))
-        };
-        list[first..].sort_unstable_by(order);
-        list.truncate(first + most);
-    }
-
-    /// Mode of a sole on a set of its vertices.
-    fn mode(&self, s: usize, set: u64, slips: f64) -> Mode {
-        let drive = self.drive();
-        let slips = |point: &&Point| {
-            let at_limit = point.split.xy().norm() >= LIMIT * point.mu * point.split.z;
-            point.direction.is_some() || (at_limit && point.dual.xy().norm() > slips * drive)
-        };
-        let slipping = self.points_of(s).filter(slips).fold(0u64, |set, point| set | 1 << point.vertex) & set;
-        let sticking = set & !slipping;
-        match (slipping, sticking.count_ones()) {
-            (0, _) => Mode::Static,
-            (_, 0) => Mode::Sliding,
-            (_, 1) => Mode::Pivoting(sticking.trailing_zeros() as u8),
-            _ => Mode::Static,
-        }
-    }
-
-    fn points_of(&self, s: usize) -> impl Iterator<Item = &Point> {
-        self.points.iter().filter(move |point| point.sole == s)
-    }
-
-    /// The greatest normal force.
-    fn load(&self) -> f64 {
-        self.points.iter().map(|point| point.split.z).fold(0.0, f64::max)
     }
 }
 

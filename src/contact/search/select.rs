@@ -27,6 +27,11 @@
 //! 2. both are repeated with slow hops allowed;
 //! 3. all states of all soles are tried;
 //! 4. the least violating candidate is returned, marked as inconsistent.
+//!
+//! `proposals` tests what the point solution suggests, `all_states` searches all states.
+
+mod all_states;
+mod proposals;
 
 use crate::contact::model::problem::{Level, Problem, Vertex};
 use crate::contact::model::solution::Solution;
@@ -35,48 +40,16 @@ use crate::contact::search::candidate::{CandidateSolver, share_static};
 use crate::contact::search::judge::{Assessment, MOST_ROUNDING, Rules, SUSPECT_FRICTION, judge, margin, onset};
 use crate::contact::search::moves::Moves;
 use crate::contact::search::neighbour_screen::NeighbourScreen;
-use crate::contact::search::point_forces::{LEAST_SLIPS, PointForces, SLIPS};
+use crate::contact::search::point_forces::PointForces;
 use crate::contact::search::sliding_directions::{self, DirectionFinder, Onset, Slips};
 use nalgebra::{Vector2, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
-/// More combinations than this are not enumerated when the local search fails.
-const ENUMERABLE: usize = 20_000;
-
 /// Candidates tested near the previous states at an event. In a fixed step the contact problem,
 /// solved from the forces of the last step, finds changed states sooner.
 const NEAR: usize = 4;
-
-/// Candidates tested near each solution of the contact problem.
-const NEAR_SOLUTION: usize = 4;
-
-/// Candidates tested again because only their sliding directions were not found.
-const RETESTED: usize = 3;
-
-/// Parts of a sole's carrying vertices that are tested.
-const PARTS: usize = 8;
-
-/// Iterations of the contact problem between two readings of its states.
-const BETWEEN_READINGS: usize = 20;
-
-/// Candidates tested before the contact problem is solved to its accuracy.
-const EARLY: usize = 4;
-
-/// Relative residual up to which the solution of a fixed step stands without a valid state.
-const SOLVED: f64 = 1e-8;
-
-/// Relative residuals at which the solution of a contact problem is taken as it is: at once, after
-/// [`MANY`] iterations, and at all. Forces are within their cones in any case; error control sees
-/// what the residual does to the motion.
-const TAKEN: f64 = 1e-7;
-const TAKEN_LATE: f64 = 1e-5;
-const TAKEN_LAST: f64 = 1e-3;
-const MANY: usize = 200;
-
-/// Force of a vertex that carries, relative to the greatest.
-const CARRIES: f64 = 1e-6;
 
 #[derive(Clone, Copy, Debug)]
 struct Entry {
@@ -306,52 +279,6 @@ impl Selector {
         Selection { states: best.states, tested: task.tested, full, consistent, exhausted, assessment }
     }
 
-    /// Solves a velocity-level step with every vertex as a point. Returns the states that the
-    /// solution indicates, or none if it is not accurate.
-    pub fn solve_points(&mut self, p: &Problem, out: &mut Solution) -> Option<States> {
-        let near = |s: usize, i: usize| p.soles[s].vertices[i].near;
-        self.points.begin(p, near, Some((out, p.step)));
-        let mut iterations = 0;
-        while !self.points.is_done() && self.points.residual() > if iterations < MANY { TAKEN } else { TAKEN_LATE } {
-            self.points.advance(p, BETWEEN_READINGS);
-            iterations += BETWEEN_READINGS;
-        }
-        if self.points.residual() > TAKEN_LAST && self.points.solve(p, near) > TAKEN_LAST {
-            return None;
-        }
-        Some(self.take_points(p, out, SLIPS))
-    }
-
-    /// Leaves the forces of the last point solution in `out`. Returns the states that it indicates.
-    fn take_points(&self, p: &Problem, out: &mut Solution, slips: f64) -> States {
-        out.normal.iter_mut().for_each(|normal| normal.fill(0.0));
-        out.tangent.iter_mut().for_each(|tangent| tangent.fill(Vector2::zeros()));
-        self.points.forces().for_each(|(s, i, force)| out.set_vertex_force(s, i, force));
-        out.gather_vertex_forces(p);
-        out.inside = [true; MAX_SOLES];
-        self.points.states(p, 0.0, slips)
-    }
-
-    /// The point solution of a fixed step and its states, if it is accurate: it obeys the contact laws
-    /// at every vertex, whatever the states that tests found invalid. Impacts need a state, whose
-    /// restitution is that of the whole sole.
-    fn point_solution(&mut self, task: &mut Task) -> Option<States> {
-        if task.p.level == Level::Acceleration || task.p.step == 0.0 || self.points.residual() > SOLVED {
-            return None;
-        }
-        let states = self.take_points(task.p, task.out, LEAST_SLIPS);
-        if !(0..task.p.soles.len()).all(|s| (task.allowed)(s, states[s])) {
-            return None;
-        }
-        for s in 0..task.p.soles.len() {
-            for i in 0..task.p.soles[s].vertices.len() {
-                let t = task.p.vertex_motion(&task.out.motion, s, i).xy();
-                task.p.soles[s].vertices[i].direction = t.try_normalize(0.0).unwrap_or_default();
-            }
-        }
-        Some(states)
-    }
-
     /// Searches near the previous states, then near those of the solved contact problem. Returns
     /// whether a valid state was found.
     fn search_near(&mut self, task: &mut Task, starts: &[States], unchanged: bool) -> bool {
@@ -420,38 +347,6 @@ impl Selector {
         assessment.valid()
     }
 
-    /// Searches all states, best-first from the previous ones.
-    fn search_all(&mut self, task: &mut Task, start: &States, unchanged: bool) {
-        let all = usize::MAX;
-        self.restart();
-        self.push(task, start);
-        self.explore(task, unchanged, false, all);
-        if self.is_found() {
-            return;
-        }
-        // Search again from the best candidate over patterns only; the modes are solved for.
-        self.explore_patterns(task);
-        if self.is_found() {
-            return;
-        }
-        if task.p.level == Level::Acceleration {
-            task.rules.hops = true;
-            self.restart();
-            self.push(task, start);
-            self.explore(task, false, false, all);
-            if !self.is_found() {
-                self.explore_patterns(task);
-            }
-            if self.is_found() {
-                return;
-            }
-            task.rules.hops = false;
-        }
-        self.restart();
-        self.push(task, start);
-        self.enumerate(task);
-    }
-
     fn restart(&mut self) {
         (self.in_place, self.kept) = (None, None);
         self.queue.clear();
@@ -470,120 +365,6 @@ impl Selector {
 
     fn is_found(&self) -> bool {
         self.queue.iter().any(|e| e.assessment.valid())
-    }
-
-    /// Tests the states that the solution with every vertex as a point indicates: as soon as two
-    /// readings agree, then in all readings, and their neighbours.
-    fn propose(&mut self, task: &mut Task, touches: impl Fn(&Vertex) -> bool) {
-        let start = (self.last_factor > 0.0).then_some((&self.last, self.last_factor));
-        self.points.begin(task.p, |s, i| touches(&task.p.soles[s].vertices[i]), start);
-        let mut last = None;
-        let mut early = 0;
-        while !self.points.is_done() && !self.is_found() {
-            self.points.advance(task.p, BETWEEN_READINGS);
-            let states = self.points.states(task.p, self.carries(), SLIPS);
-            if early < EARLY && last == Some(states) && !self.queue.iter().any(|e| e.states == states && e.guessed) {
-                early += 1;
-                self.push_solution(task, &states, true);
-            }
-            last = Some(states);
-        }
-        if !self.is_found() {
-            self.read_solution(task);
-        }
-        if !self.queue.is_empty() {
-            self.explore(task, false, false, task.tested + NEAR_SOLUTION);
-        }
-    }
-
-    /// Least share of the greatest force with which a vertex of the solved contact problem carries.
-    fn carries(&self) -> f64 {
-        CARRIES.max(10.0 * self.points.residual())
-    }
-
-    /// Tests all readings of the solved contact problem: with its slips alone, then on parts of the
-    /// carrying vertices of soles whose pressure fails, then from other first guesses and with the
-    /// modes of regularized friction. Ends at the first valid candidate.
-    fn read_solution(&mut self, task: &mut Task) {
-        let (some, many) = (self.carries(), 1e3 * CARRIES.max(self.points.residual()));
-        let readings = [(some, SLIPS), (some, LEAST_SLIPS), (some, 0.0), (some, some), (many, SLIPS)];
-        let states = readings.map(|(least, slips)| self.points.states(task.p, least, slips));
-        let new = |i: &usize| !states[..*i].contains(&states[*i]);
-        for i in (0..readings.len()).filter(new) {
-            self.push_solution(task, &states[i], true);
-            if self.is_found() {
-                return;
-            }
-        }
-        for i in (0..readings.len()).filter(new) {
-            // What is at its limit slips; as far as the solution is inaccurate, what moves clearly.
-            for slips in [0.0, self.carries()] {
-                self.push_parts(task, &states[i], slips);
-                if self.is_found() {
-                    return;
-                }
-            }
-        }
-        // Where only the directions were not found from the first guess, others may succeed.
-        let mut lacking = self.queue.iter().filter(|e| e.brief && e.assessment.levels[..2] == [0.0; 2]);
-        let lacking: [Option<States>; RETESTED] = std::array::from_fn(|_| lacking.next().map(|e| e.states));
-        for states in lacking.iter().flatten() {
-            self.push_solution(task, states, false);
-            if self.is_found() {
-                return;
-            }
-        }
-        for i in (0..readings.len()).filter(new) {
-            self.push_solution(task, &states[i], false);
-            if !self.is_found() {
-                self.complete(task, &states[i]);
-            }
-            if self.is_found() {
-                return;
-            }
-        }
-    }
-
-    /// Tests states that the solved contact problem indicates, with its slips.
-    fn push_solution(&mut self, task: &mut Task, states: &States, briefly: bool) {
-        if (0..task.p.soles.len()).all(|s| (task.allowed)(s, states[s])) {
-            self.guess = Some(sliding_directions::slips(task.p, states, self.points.motion(task.p)));
-            if briefly {
-                self.push_briefly(task, states);
-            } else {
-                self.forget(states);
-                self.push(task, states);
-            }
-            self.guess = None;
-        }
-    }
-
-    /// Tests states in which a sole at fault rests on a part of the vertices that carry it as points:
-    /// its pressure may follow another rule there, and more vertices lift off.
-    fn push_parts(&mut self, task: &mut Task, states: &States, slips: f64) {
-        let Some(entry) = self.queue.iter().find(|e| e.states == *states) else { return };
-        let faults = entry.assessment.faults;
-        let mut parts = std::mem::take(&mut self.parts);
-        for s in (0..task.p.soles.len()).filter(|&s| faults[s].pulling || faults[s].friction) {
-            parts.clear();
-            self.points.parts(task.p, s, slips, PARTS, &mut parts);
-            for &part in &parts {
-                let mut next = *states;
-                next[s] = part;
-                self.push_solution(task, &next, true);
-                if self.is_found() {
-                    break;
-                }
-            }
-        }
-        self.parts = parts;
-    }
-
-    /// Tests a candidate with its first guess alone.
-    fn push_briefly(&mut self, task: &mut Task, states: &States) {
-        (self.solver.thorough, self.finder.thorough) = (false, false);
-        self.push(task, states);
-        (self.solver.thorough, self.finder.thorough) = (true, true);
     }
 
     /// Expands the best candidates until one is valid and none of its smaller neighbours beats it,
@@ -647,39 +428,6 @@ impl Selector {
         }
     }
 
-    /// Repeats the search from the best candidate over clamped patterns.
-    fn explore_patterns(&mut self, task: &mut Task) {
-        let best = self.best();
-        self.queue.iter_mut().for_each(|e| e.expanded = true);
-        self.complete(task, &best.states);
-        self.explore(task, false, true, usize::MAX);
-    }
-
-    /// Tests the patterns of `states` with the modes that regularized friction gives them.
-    fn complete(&mut self, task: &mut Task, states: &States) {
-        let soles = task.p.soles.len();
-        let mut patterns = *states;
-        (0..soles).for_each(|s| patterns[s] = SoleState::fixed(patterns[s].pattern));
-        if self.patterns.contains(&patterns) {
-            return;
-        }
-        self.patterns.push(patterns);
-        task.tested += 1;
-        self.in_place = None;
-        let regularized = self.finder.regularized_modes(&mut self.solver, task.p, &patterns, task.out);
-        let Some(regularized) = regularized else { return };
-        // Only a trial distinguishes a slip that has just begun from viscous creep.
-        for threshold in [10.0, 1e3, 1e6] {
-            let states = regularized.modes(task.p, threshold);
-            if (0..soles).all(|s| (task.allowed)(s, states[s])) {
-                self.forget(&states);
-                self.guess = Some(regularized.slips);
-                self.push(task, &states);
-                self.guess = None;
-            }
-        }
-    }
-
     /// Leaves the sliding directions and the solution of a tested candidate in place.
     fn restore(&mut self, task: &mut Task, entry: &Entry) {
         if self.in_place == Some(entry.states) {
@@ -730,29 +478,6 @@ impl Selector {
             self.keep(task, states);
         }
         self.queue.push(entry);
-    }
-
-    /// Tests all states of all soles.
-    fn enumerate(&mut self, task: &mut Task) {
-        let states_of = |s: usize| SoleState::refined(task.p.soles[s].vertices.len());
-        let mut sizes = [1; MAX_SOLES];
-        (0..task.p.soles.len()).for_each(|s| sizes[s] = states_of(s).count());
-        let total = sizes.iter().try_fold(1usize, |n, &k| n.checked_mul(k)).unwrap_or(usize::MAX);
-        if total > ENUMERABLE {
-            return;
-        }
-        for code in 0..total {
-            let mut states = States::default();
-            let mut rest = code;
-            for s in 0..task.p.soles.len() {
-                let k = task.p.soles[s].vertices.len();
-                states[s] = SoleState::refined(k).nth(rest % sizes[s]).unwrap_or_default();
-                rest /= sizes[s];
-            }
-            if (0..task.p.soles.len()).all(|s| (task.allowed)(s, states[s])) {
-                self.push(task, &states);
-            }
-        }
     }
 }
 

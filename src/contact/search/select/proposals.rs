@@ -1,0 +1,200 @@
+//! Candidates that the contact problem solved with every vertex as a point suggests.
+
+use super::{Selector, Task};
+use crate::contact::model::problem::{Level, Problem, Vertex};
+use crate::contact::model::solution::Solution;
+use crate::contact::model::state::{MAX_SOLES, States};
+use crate::contact::search::point_forces::{LEAST_SLIPS, SLIPS};
+use crate::contact::search::sliding_directions;
+use nalgebra::Vector2;
+
+/// Candidates tested near each solution of the contact problem.
+const NEAR_SOLUTION: usize = 4;
+
+/// Candidates tested again because only their sliding directions were not found.
+const RETESTED: usize = 3;
+
+/// Parts of a sole's carrying vertices that are tested.
+const PARTS: usize = 8;
+
+/// Iterations of the contact problem between two readings of its states.
+const BETWEEN_READINGS: usize = 20;
+
+/// Candidates tested before the contact problem is solved to its accuracy.
+const EARLY: usize = 4;
+
+/// Relative residual up to which the solution of a fixed step stands without a valid state.
+const SOLVED: f64 = 1e-8;
+
+/// Relative residuals at which the solution of a contact problem is taken as it is: at once, after
+/// [`MANY`] iterations, and at all. Forces are within their cones in any case; error control sees
+/// what the residual does to the motion.
+const TAKEN: f64 = 1e-7;
+const TAKEN_LATE: f64 = 1e-5;
+const TAKEN_LAST: f64 = 1e-3;
+const MANY: usize = 200;
+
+/// Force of a vertex that carries, relative to the greatest.
+const CARRIES: f64 = 1e-6;
+
+impl Selector {
+    /// Solves a velocity-level step with every vertex as a point. Returns the states that the
+    /// solution indicates, or none if it is not accurate.
+    pub fn solve_points(&mut self, p: &Problem, out: &mut Solution) -> Option<States> {
+        let near = |s: usize, i: usize| p.soles[s].vertices[i].near;
+        self.points.begin(p, near, Some((out, p.step)));
+        let mut iterations = 0;
+        while !self.points.is_done() && self.points.residual() > if iterations < MANY { TAKEN } else { TAKEN_LATE } {
+            self.points.advance(p, BETWEEN_READINGS);
+            iterations += BETWEEN_READINGS;
+        }
+        if self.points.residual() > TAKEN_LAST && self.points.solve(p, near) > TAKEN_LAST {
+            return None;
+        }
+        Some(self.take_points(p, out, SLIPS))
+    }
+
+    /// Leaves the forces of the last point solution in `out`. Returns the states that it indicates.
+    fn take_points(&self, p: &Problem, out: &mut Solution, slips: f64) -> States {
+        out.normal.iter_mut().for_each(|normal| normal.fill(0.0));
+        out.tangent.iter_mut().for_each(|tangent| tangent.fill(Vector2::zeros()));
+        self.points.forces().for_each(|(s, i, force)| out.set_vertex_force(s, i, force));
+        out.gather_vertex_forces(p);
+        out.inside = [true; MAX_SOLES];
+        self.points.states(p, 0.0, slips)
+    }
+
+    /// The point solution of a fixed step and its states, if it is accurate: it obeys the contact laws
+    /// at every vertex, whatever the states that tests found invalid. Impacts need a state, whose
+    /// restitution is that of the whole sole.
+    pub(super) fn point_solution(&mut self, task: &mut Task) -> Option<States> {
+        if task.p.level == Level::Acceleration || task.p.step == 0.0 || self.points.residual() > SOLVED {
+            return None;
+        }
+        let states = self.take_points(task.p, task.out, LEAST_SLIPS);
+        if !(0..task.p.soles.len()).all(|s| (task.allowed)(s, states[s])) {
+            return None;
+        }
+        for s in 0..task.p.soles.len() {
+            for i in 0..task.p.soles[s].vertices.len() {
+                let t = task.p.vertex_motion(&task.out.motion, s, i).xy();
+                task.p.soles[s].vertices[i].direction = t.try_normalize(0.0).unwrap_or_default();
+            }
+        }
+        Some(states)
+    }
+
+    /// Tests the states that the solution with every vertex as a point indicates: as soon as two
+    /// readings agree, then in all readings, and their neighbours.
+    pub(super) fn propose(&mut self, task: &mut Task, touches: impl Fn(&Vertex) -> bool) {
+        let start = (self.last_factor > 0.0).then_some((&self.last, self.last_factor));
+        self.points.begin(task.p, |s, i| touches(&task.p.soles[s].vertices[i]), start);
+        let mut last = None;
+        let mut early = 0;
+        while !self.points.is_done() && !self.is_found() {
+            self.points.advance(task.p, BETWEEN_READINGS);
+            let states = self.points.states(task.p, self.carries(), SLIPS);
+            if early < EARLY && last == Some(states) && !self.queue.iter().any(|e| e.states == states && e.guessed) {
+                early += 1;
+                self.push_solution(task, &states, true);
+            }
+            last = Some(states);
+        }
+        if !self.is_found() {
+            self.read_solution(task);
+        }
+        if !self.queue.is_empty() {
+            self.explore(task, false, false, task.tested + NEAR_SOLUTION);
+        }
+    }
+
+    /// Least share of the greatest force with which a vertex of the solved contact problem carries.
+    fn carries(&self) -> f64 {
+        CARRIES.max(10.0 * self.points.residual())
+    }
+
+    /// Tests all readings of the solved contact problem: with its slips alone, then on parts of the
+    /// carrying vertices of soles whose pressure fails, then from other first guesses and with the
+    /// modes of regularized friction. Ends at the first valid candidate.
+    fn read_solution(&mut self, task: &mut Task) {
+        let (some, many) = (self.carries(), 1e3 * CARRIES.max(self.points.residual()));
+        let readings = [(some, SLIPS), (some, LEAST_SLIPS), (some, 0.0), (some, some), (many, SLIPS)];
+        let states = readings.map(|(least, slips)| self.points.states(task.p, least, slips));
+        let new = |i: &usize| !states[..*i].contains(&states[*i]);
+        for i in (0..readings.len()).filter(new) {
+            self.push_solution(task, &states[i], true);
+            if self.is_found() {
+                return;
+            }
+        }
+        for i in (0..readings.len()).filter(new) {
+            // What is at its limit slips; as far as the solution is inaccurate, what moves clearly.
+            for slips in [0.0, self.carries()] {
+                self.push_parts(task, &states[i], slips);
+                if self.is_found() {
+                    return;
+                }
+            }
+        }
+        // Where only the directions were not found from the first guess, others may succeed.
+        let mut lacking = self.queue.iter().filter(|e| e.brief && e.assessment.levels[..2] == [0.0; 2]);
+        let lacking: [Option<States>; RETESTED] = std::array::from_fn(|_| lacking.next().map(|e| e.states));
+        for states in lacking.iter().flatten() {
+            self.push_solution(task, states, false);
+            if self.is_found() {
+                return;
+            }
+        }
+        for i in (0..readings.len()).filter(new) {
+            self.push_solution(task, &states[i], false);
+            if !self.is_found() {
+                self.complete(task, &states[i]);
+            }
+            if self.is_found() {
+                return;
+            }
+        }
+    }
+
+    /// Tests states that the solved contact problem indicates, with its slips.
+    fn push_solution(&mut self, task: &mut Task, states: &States, briefly: bool) {
+        if (0..task.p.soles.len()).all(|s| (task.allowed)(s, states[s])) {
+            self.guess = Some(sliding_directions::slips(task.p, states, self.points.motion(task.p)));
+            if briefly {
+                self.push_briefly(task, states);
+            } else {
+                self.forget(states);
+                self.push(task, states);
+            }
+            self.guess = None;
+        }
+    }
+
+    /// Tests states in which a sole at fault rests on a part of the vertices that carry it as points:
+    /// its pressure may follow another rule there, and more vertices lift off.
+    fn push_parts(&mut self, task: &mut Task, states: &States, slips: f64) {
+        let Some(entry) = self.queue.iter().find(|e| e.states == *states) else { return };
+        let faults = entry.assessment.faults;
+        let mut parts = std::mem::take(&mut self.parts);
+        for s in (0..task.p.soles.len()).filter(|&s| faults[s].pulling || faults[s].friction) {
+            parts.clear();
+            self.points.parts(task.p, s, slips, PARTS, &mut parts);
+            for &part in &parts {
+                if self.is_found() {
+                    break;
+                }
+                let mut next = *states;
+                next[s] = part;
+                self.push_solution(task, &next, true);
+            }
+        }
+        self.parts = parts;
+    }
+
+    /// Tests a candidate with its first guess alone.
+    pub(super) fn push_briefly(&mut self, task: &mut Task, states: &States) {
+        (self.solver.thorough, self.finder.thorough) = (false, false);
+        self.push(task, states);
+        (self.solver.thorough, self.finder.thorough) = (true, true);
+    }
+}
