@@ -3,7 +3,7 @@
 
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput};
 use crate::contact::methods::registry::MethodDescriptor;
-use crate::contact::model::problem::Problem;
+use crate::contact::model::problem::{Problem, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
 use crate::contact::search::moves::first_mode;
@@ -78,11 +78,15 @@ impl ContactSolver for Exact {
             let (state, k) = (input.rules.previous[s], sole.vertices.len());
             let clamped = |i: &usize| state.clamps(*i, k);
             let fastest = (0..k).filter(clamped).map(|i| sole.vertices[i].velocity.xy().norm()).fold(0.0, f64::max);
-            if state.is_dynamic() && fastest <= 10.0 * tol.rest {
-                for i in (0..k).filter(clamped) {
-                    let v = &mut sole.vertices[i];
-                    v.settles |= v.moving;
-                    v.moving = false;
+            let slow = 10.0 * tol.rest;
+            if state.is_dynamic() && fastest <= slow {
+                // Others that touch the floor are at rest by the same resolution.
+                let stops = |v: &Vertex| v.is_near(tol) && v.velocity.xy().norm() <= slow;
+                for (i, v) in sole.vertices.iter_mut().enumerate() {
+                    if state.clamps(i, k) || stops(v) {
+                        v.settles |= v.moving;
+                        v.moving = false;
+                    }
                 }
             }
         }
