@@ -11,7 +11,7 @@ use crate::batch::dispatch::cancellation::Gate;
 use crate::batch::dispatch::event::{Event, Work};
 use crate::batch::dispatch::schedule::Schedule;
 use crate::batch::run::job_run;
-use crate::batch::{Body, Cancellation, Options, Plan};
+use crate::batch::{Body, Cancellation, Options, Plan, Reason};
 
 /// Executes the remaining work on all threads of the pool and sends events until all are done.
 pub(in crate::batch) fn work(
@@ -33,14 +33,15 @@ pub(in crate::batch) fn work(
             };
             let job = Arc::new(job);
             let cancellation = Arc::new(Cancellation::default());
+            let at = Instant::now();
             // The dispatcher receives until `Drained`.
-            let _ = events.send(Event::Started {
-                work,
-                job: Some(job.clone()),
-                at: Instant::now(),
-                cancellation: cancellation.clone(),
-            });
+            let _ =
+                events.send(Event::Started { work, job: Some(job.clone()), at, cancellation: cancellation.clone() });
             let mut guard = ReferenceGuard { schedule, work, result: None };
+            if options.timeout.is_some_and(|limit| at.elapsed() >= limit) {
+                // A short run could end before the dispatcher sees it.
+                cancellation.cancel(Reason::TimedOut);
+            }
             let (finished, trajectory) = job_run::run(&job, options, &cancellation, body, against.as_ref());
             guard.result = Some(trajectory);
             drop(guard);
