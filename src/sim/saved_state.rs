@@ -12,6 +12,7 @@ pub struct SavedState {
     state: State,
     states: States,
     directions: Vec<Vec<Vector2<f64>>>,
+    fast_slips: [u64; MAX_SOLES],
     anchors: Vec<Vec<Vector3<f64>>>,
     suspect: [u8; MAX_SOLES],
     /// Contact forces, from which methods without a search derive the next states.
@@ -25,6 +26,7 @@ impl SavedState {
             state: plant.state.clone(),
             states: plant.states,
             directions: plant.directions.clone(),
+            fast_slips: plant.fast_slips,
             anchors: anchors.to_vec(),
             suspect: [0; MAX_SOLES],
             solution: Solution::new(&plant.problem),
@@ -36,6 +38,7 @@ impl SavedState {
         self.state.copy_from(&plant.state);
         self.states = plant.states;
         copy(&mut self.directions, &plant.directions);
+        self.fast_slips = plant.fast_slips;
         copy(&mut self.anchors, anchors);
         self.suspect = *suspect;
         self.solution.copy_from(&plant.solution);
@@ -50,6 +53,7 @@ impl SavedState {
         plant.apply_prescribed_motion();
         plant.states = self.states;
         copy(&mut plant.directions, &self.directions);
+        plant.fast_slips = self.fast_slips;
         copy(anchors, &self.anchors);
         *suspect = self.suspect;
         plant.solution.copy_from(&self.solution);

@@ -1,39 +1,42 @@
-//! Sliding modes: states that alternate faster than steps resolve.
-//!
-//! CB-i lands tilted. Before 0.2 s a vertex comes to rest, but its states alternate. Without sliding
-//! modes every change is a located event: the values below come from such a run of the program
-//! before it had the mode (commit 81ef348, the same scenario), with 2522 events.
+//! Sliding modes: states that alternate faster than steps resolve, and slow sliding that is none.
 
 use super::support::watch;
 
-const SCENARIO: &str = "duration = 0.2
-    floor = { friction = 0.9577079989743374 }
+/// CB-i, pushed on a slope, rocks over a vertex. At 1.1057 s an impact of a few micrometres per second
+/// lets `vertex-3-static` and `edge-3-dynamic` of its left foot alternate.
+const SLOPE: &str = "duration = 1.108
+    seed = 9
+    floor = { friction = 0.628968902827847, rpy = [0, \"12 deg\", 0] }
     contact = { velocity_tolerance = 0.02 }
     control = { rate = 500 }
     log = { rate = 0 }
-    integrator = { method = \"dopri5\", relative_tolerance = 1e-7, absolute_tolerance = 1e-9 }
-    robot = { model = \"robots/cbi/cbi.toml\", base = { rpy = [0.28, -0.28, 0], linear_velocity = [0, 0, -0.9905] } }";
+    integrator = { method = \"dopri5\" }
+    robot = { model = \"robots/cbi/cbi.toml\", base = { rpy = [0, \"12 deg\", 0] } }
+    force = [{ type = \"random-pushes\", links = [\"torso\"], number = 1, start = 0.2, duration = 0.4, magnitude = [61.7, 493.5], push_duration = [0.02, 0.3], direction = \"any\", profile = \"half-sine\" }]";
 
-/// Position (m) and yaw (rad) of the base at the end, with every event located.
+/// Position (m) and yaw (rad) of the base at its end in a run without sliding modes, which locates 343
+/// events (the same program with their detection removed).
 const RESOLVED: ([f64; 3], f64) =
-    ([-0.00949798959113506, -0.04202632131874456, 0.7290779772627862], 0.07081320290790853);
+    ([0.6562004075367339, -0.0011300944748478914, 0.536986383818306], -0.002451264934209137);
 
 #[test]
 fn a_sliding_mode_moves_as_the_run_that_locates_every_event() {
-    let (m, recording) = watch(SCENARIO);
+    let (m, recording) = watch(SLOPE);
     let (position, yaw) = RESOLVED;
-    // The integrator: with a tenth of the tolerances the resolved run moves by 1e-8 m and 3e-8 rad.
+    // The integrator's default tolerances: with a tenth of them, which alternate no longer, the run ends
+    // 5e-9 m and 2e-7 rad away.
     for (end, resolved) in m.final_base_position.iter().zip(position) {
-        assert!((end - resolved).abs() < 3e-8, "{:?}", m.final_base_position);
+        assert!((end - resolved).abs() < 5e-9, "{:?}", m.final_base_position);
     }
-    assert!((m.final_base_rpy[2] - yaw).abs() < 1e-7, "{:?}", m.final_base_rpy);
+    assert!((m.final_base_rpy[2] - yaw).abs() < 2e-7, "{:?}", m.final_base_rpy);
     assert!(m.sliding_mode_s > 1e-4 && m.sliding_mode_s < 0.02, "{}", m.sliding_mode_s);
-    assert!(m.events < 100, "{} events", m.events);
+    assert!(m.events < 60, "{} events", m.events);
     assert_eq!((m.inconsistent, m.full_searches), (0, 0));
     // The law holds within the mode: rounding, relative to some 100 N.
     assert!(m.max_cone_excess < 1e-9 && m.max_tension_n < 1e-9, "{} {}", m.max_cone_excess, m.max_tension_n);
     assert!(m.max_penetration_m < 1e-9, "{}", m.max_penetration_m);
-    assert!(m.energy_error_j.abs() < 1e-6, "{}", m.energy_error_j);
+    // The integrator.
+    assert!(m.max_energy_error_j < 1e-6, "{}", m.max_energy_error_j);
 
     // Begin and end are events, and what is between them is the column.
     let modes: Vec<_> = recording.events.iter().filter(|e| e.kind == "sliding-mode").collect();
@@ -45,9 +48,67 @@ fn a_sliding_mode_moves_as_the_run_that_locates_every_event() {
     assert!((time - m.sliding_mode_s).abs() < 1e-12, "{time} {}", m.sliding_mode_s);
 }
 
+/// CB-i lands tilted, and before 0.2 s a foot turns while a vertex of it slides slowly. The values come
+/// from a program that set the vertex to rest again and again and located 2522 events (commit 81ef348).
 #[test]
-fn a_run_whose_states_do_not_alternate_has_no_sliding_mode() {
-    let (m, _) =
-        watch(&SCENARIO.replace("rpy = [0.28, -0.28, 0], linear_velocity = [0, 0, -0.9905]", "rpy = [0, 0, 0]"));
+fn a_tilted_landing_with_slow_slips_has_few_events() {
+    let (m, _) = watch(
+        "duration = 0.2
+        floor = { friction = 0.9577079989743374 }
+        contact = { velocity_tolerance = 0.02 }
+        control = { rate = 500 }
+        log = { rate = 0 }
+        integrator = { method = \"dopri5\", relative_tolerance = 1e-7, absolute_tolerance = 1e-9 }
+        robot = { model = \"robots/cbi/cbi.toml\", base = { rpy = [0.28, -0.28, 0], linear_velocity = [0, 0, -0.9905] } }",
+    );
+    // The integrator: with a tenth of the tolerances that run moves by 1e-8 m and 3e-8 rad.
+    for (end, other) in
+        m.final_base_position.iter().zip([-0.00949798959113506, -0.04202632131874456, 0.7290779772627862])
+    {
+        assert!((end - other).abs() < 3e-8, "{:?}", m.final_base_position);
+    }
+    assert!((m.final_base_rpy[2] - 0.07081320290790853).abs() < 1e-7, "{:?}", m.final_base_rpy);
+    assert!(m.events < 10 && m.sliding_mode_s == 0.0, "{} events", m.events);
+}
+
+/// A quadruped steps on a foot that begins to slide slowly at 0.553 s. Its slip turns to its direction
+/// within microseconds; taken for friction that stops it, that led to a sliding mode.
+#[test]
+fn a_slip_that_begins_slowly_goes_on() {
+    let (m, recording) = watch(
+        "duration = 0.56
+        seed = 9
+        floor = { friction = 0.34075515174311477 }
+        contact = { velocity_tolerance = 0.02 }
+        control = { rate = 500 }
+        log = { rate = 0 }
+        integrator = { method = \"dopri5\" }
+        robot = { model = \"robots/quadruped/quadruped.toml\", base = { rpy = [0.28, -0.28, 0], linear_velocity = [0, 0, -0.9905] } }
+        force = [{ type = \"random-pushes\", links = [\"body\"], number = 1, start = 0.2, duration = 0.4, magnitude = [13.1, 105.0], push_duration = [0.02, 0.3], direction = \"any\", profile = \"half-sine\" }]",
+    );
+    assert!(recording.events.iter().any(|e| e.kind == "slip" && e.time > 0.553), "the case has changed");
+    assert!(recording.events.iter().all(|e| e.kind != "stick" || e.time < 0.553), "{:?}", recording.events);
     assert_eq!(m.sliding_mode_s, 0.0);
+}
+
+#[test]
+fn a_slow_vertex_of_a_turning_foot_slides_on() {
+    // CB-i, pushed, tips over one vertex, which begins to slide at 1.328 s while its foot turns at some
+    // rad/s. Its centripetal acceleration is no sign that friction stops it: a program that took it
+    // for one set the vertex to rest 16 times within 0.14 ms.
+    let (m, recording) = watch(
+        "duration = 1.34
+        seed = 101
+        floor = { friction = 0.8065298445815767 }
+        contact = { velocity_tolerance = 0.02 }
+        control = { rate = 500 }
+        log = { rate = 0 }
+        integrator = { method = \"dopri5\" }
+        robot = { model = \"robots/cbi/cbi.toml\" }
+        force = [{ type = \"random-pushes\", links = [\"torso\"], number = 1, start = 0.2, duration = 0.4, magnitude = [61.7, 493.5], push_duration = [0.02, 0.3], direction = \"any\", profile = \"half-sine\" }]",
+    );
+    assert!(recording.events.iter().any(|e| e.kind == "slip" && e.time > 1.327), "the case has changed");
+    assert_eq!(m.sliding_mode_s, 0.0);
+    // The integrator.
+    assert!(m.max_energy_error_j < 1e-6, "{}", m.max_energy_error_j);
 }

@@ -17,13 +17,18 @@ use super::support::{TIGHT, run};
 const ANGLE: f64 = 0.3;
 
 fn creeping(speed: f64, duration: f64) -> stiction::sim::Metrics {
+    sliding([0.0, speed, 0.0], 1.0, duration, TIGHT)
+}
+
+/// The block with an initial velocity, and friction relative to the critical one.
+fn sliding(velocity: [f64; 3], friction: f64, duration: f64, tolerances: &str) -> stiction::sim::Metrics {
     run(&format!(
         "duration = {duration}
         floor = {{ friction = {}, rpy = [0, {ANGLE}, 0] }}
-        robot = {{ model = \"robots/block/block.toml\", base = {{ rpy = [0, {ANGLE}, 0], linear_velocity = [0, {speed}, 0] }} }}
+        robot = {{ model = \"robots/block/block.toml\", base = {{ rpy = [0, {ANGLE}, 0], linear_velocity = {velocity:?} }} }}
         log = {{ rate = 0 }}
-        {TIGHT}",
-        ANGLE.tan()
+        {tolerances}",
+        friction * ANGLE.tan()
     ))
 }
 
@@ -48,4 +53,64 @@ fn steps_do_not_shrink_with_the_speed() {
     // Explicit steps are stable up to about 3.3 over the rate of friction.
     let explicit = duration * G * ANGLE.sin() / (0.5 * speed) / 3.3;
     assert!((m.steps as f64) < 0.01 * explicit, "{} steps, explicit {explicit:.0}", m.steps);
+}
+
+#[test]
+fn a_slide_that_stops_turns_back_at_the_right_instant() {
+    // Straight uphill but for a millionth, on a slope a little steeper than the friction angle. The
+    // block stops after v / (g sin 1.99) and slides back with g sin 0.01. Its sideways speed, some
+    // v (1e-6)^(3/2) by then, must not deflect it.
+    let (duration, gravity) = (0.2, G * ANGLE.sin());
+    for speed in [0.01, 0.02, 0.0546, 0.1, 0.2, 0.3] {
+        let velocity = [-speed * ANGLE.cos(), 1e-6 * speed, speed * ANGLE.sin()];
+        let m =
+            sliding(velocity, 0.99, duration, "integrator = { relative_tolerance = 1e-7, absolute_tolerance = 1e-9 }");
+        let expected = 0.01 * gravity * (duration - speed / (1.99 * gravity));
+        let v = m.final_base_velocity;
+        // The integrator, relative to the first speed.
+        assert!((v[0].hypot(v[2]) - expected).abs() < 1e-7 * speed, "{speed}: {v:?} {expected}");
+        assert!(v[1].abs() < 1e-9, "{speed}: {v:?}");
+        assert!(m.steps < 500, "{m:?}");
+    }
+}
+
+/// CB-i on a level floor, with the default tolerances.
+fn cbi(duration: f64, friction: f64, more: &str) -> stiction::sim::Metrics {
+    run(&format!(
+        "duration = {duration}
+        floor = {{ friction = {friction} }}
+        contact = {{ velocity_tolerance = 0.02 }}
+        control = {{ rate = 500 }}
+        log = {{ rate = 0 }}
+        {more}"
+    ))
+}
+
+#[test]
+fn energy_balances_where_slow_vertices_turn() {
+    // A landing on one edge, of which a vertex almost stops while the other slides on. The normal
+    // force of the latter, and with it the power of friction, responds to the direction of the former.
+    let m = cbi(
+        1.25,
+        0.526281982817154,
+        "integrator = { method = \"dopri5\" }
+        robot = { model = \"robots/cbi/cbi.toml\", base = { rpy = [0.2, 0, 0], linear_velocity = [0, 0, -0.6264] } }",
+    );
+    // The integrator; 1e-5 J with the power of friction as a function of time alone.
+    assert!(m.max_energy_error_j < 1e-6, "{}", m.max_energy_error_j);
+}
+
+#[test]
+fn loads_stay_within_their_cones_where_slow_vertices_are_set_to_rest() {
+    // Setting one vertex to rest turns the directions of other slow ones, and the other foot's load.
+    let m = cbi(
+        2.0,
+        0.1517853617873551,
+        "seed = 9
+        integrator = { method = \"dopri5\", relative_tolerance = 1e-4, absolute_tolerance = 1e-12 }
+        robot = { model = \"robots/cbi/cbi.toml\" }
+        force = [{ type = \"random-pushes\", links = [\"torso\"], number = 1, start = 0.2, duration = 0.4, magnitude = [61.7, 493.5], push_duration = [0.02, 0.3], direction = \"any\", profile = \"half-sine\" }]",
+    );
+    // Rounding, relative to some 100 N.
+    assert!(m.max_cone_excess < 1e-9, "{}", m.max_cone_excess);
 }

@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use stiction::assemble;
 use stiction::force::{AppliedForces, Force, ForceContext};
 use stiction::robot::LinkId;
-use stiction::sim::{NullObserver, Outcome, Simulation};
+use stiction::sim::{Metrics, NullObserver, Outcome, Simulation};
 
 /// Twenty nanometres up, without loss: it bounces every 0.13 ms without end.
 const BOUNCING: &str = "
@@ -51,19 +51,28 @@ impl Force for Contrary {
     }
 }
 
-#[test]
-fn a_force_that_reverses_with_its_own_motion_holds_the_block() {
-    let text = "duration = 0.02\nrobot = { model = \"robots/block/block.toml\" }\nfloor = { friction = 0.2 }\n";
-    let file = stiction::scenario::parse(&super::support::root().join("t.toml"), text).unwrap();
+/// The block on a floor of friction 0.2, pushed by [`Contrary`].
+fn contrary(base: &str, duration: f64, force: f64) -> Metrics {
+    let text = format!(
+        "duration = {duration}
+        robot = {{ model = \"robots/block/block.toml\", base = {{ {base} }} }}
+        floor = {{ friction = 0.2 }}
+        log = {{ rate = 0 }}\n"
+    );
+    let file = stiction::scenario::parse(&super::support::root().join("t.toml"), &text).unwrap();
     let runs = file.expand(&[]).unwrap();
     let robot = stiction::robot::load(&runs[0].resolve(&runs[0].scenario.robot.model)).unwrap();
+    let mut setup = assemble::setup(&runs[0], &robot).unwrap();
+    setup.forces.push(Box::new(Contrary(force)));
+    finish(&mut Simulation::new(setup).unwrap(), &mut NullObserver)
+}
+
+#[test]
+fn a_force_that_reverses_with_its_own_motion_holds_the_block() {
     // Below the friction limit the block sticks. Above it, sticking and sliding alternate at once, and
     // the only solution in Filippov's sense is that it stays: any motion is driven back.
     for (force, slides) in [(1.5, false), (4.0, true)] {
-        let mut setup = assemble::setup(&runs[0], &robot).unwrap();
-        setup.forces.push(Box::new(Contrary(force)));
-        let mut sim = Simulation::new(setup).unwrap();
-        let m = finish(&mut sim, &mut NullObserver);
+        let m = contrary("", 0.02, force);
         // Steps of 1 us at the difference of force and friction, on 1 kg: 2e-6 m/s.
         assert!(m.final_base_position[0].abs() < 1e-9, "{force} {:?}", m.final_base_position);
         assert!(m.final_base_velocity[0].abs() < 1e-5, "{force} {:?}", m.final_base_velocity);

@@ -28,22 +28,39 @@ impl RunState {
     /// follow it, each to a fraction of its initial speed, down to their own error in speed
     /// (`Plant::direction_speed`). Below that the direction is held, and may be that of the error.
     /// A vertex that then slows down as fast as friction allows, and misses zero, is at rest within
-    /// the error.
-    pub(in crate::sim) fn slow_to_rest(&self) -> f64 {
-        let plant = &self.plant;
+    /// the error. One that begins to slide turns back to its direction by an acceleration that may
+    /// look alike, so a vertex must have been faster first.
+    pub(in crate::sim) fn slow_to_rest(&mut self) -> f64 {
+        let soles = 0..self.plant.problem.soles.len();
+        let stops = soles.map(|s| self.sole_to_rest(s)).fold(0.0, f64::max);
+        if stops > 0.0 {
+            self.plant.fast_slips.fill(0);
+        }
+        stops
+    }
+
+    /// [`slow_to_rest`](Self::slow_to_rest) of one sole.
+    fn sole_to_rest(&mut self, s: usize) -> f64 {
+        let plant = &mut self.plant;
+        let (state, slow) = (plant.states[s], plant.direction_speed(s));
         let quick = QUICK * plant.gravity.norm();
-        let of_sole = |s: usize| {
-            let (state, vertices) = (plant.states[s], &plant.problem.soles[s].vertices);
-            let slow = plant.direction_speed(s);
-            let past = |i: usize| {
-                let v = vertices[i].velocity.xy();
+        let vertices = &plant.problem.soles[s].vertices;
+        let (mut fast, mut stops) = (0, 0.0);
+        for (i, vertex) in vertices.iter().enumerate() {
+            let slides = state.is_dynamic() && state.clamps(i, vertices.len()) && state.mode != Mode::Pivoting(i as u8);
+            let v = vertex.velocity.xy();
+            if !slides || v.norm() <= slow && plant.fast_slips[s] & 1 << i == 0 {
+                continue;
+            }
+            fast |= 1 << i;
+            if v.norm() <= slow && slow > DIRECTION_SPEED {
                 let a = plant.problem.vertex_motion(&plant.solution.motion, s, i).xy();
-                v.norm() <= slow && a.norm() > quick && v.dot(&a) < 0.0 && v.perp(&a).abs() > MISS * slow * a.norm()
-            };
-            let slides = |i: usize| state.clamps(i, vertices.len()) && state.mode != Mode::Pivoting(i as u8);
-            let held = self.locates_events() && state.is_dynamic() && slow > DIRECTION_SPEED;
-            if held && (0..vertices.len()).any(|i| slides(i) && past(i)) { slow } else { 0.0 }
-        };
-        (0..plant.problem.soles.len()).map(of_sole).fold(0.0, f64::max)
+                if a.norm() > quick && v.dot(&a) < 0.0 && v.perp(&a).abs() > MISS * slow * a.norm() {
+                    stops = slow;
+                }
+            }
+        }
+        plant.fast_slips[s] = fast;
+        if self.locates_events() { stops } else { 0.0 }
     }
 }

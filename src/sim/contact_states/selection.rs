@@ -15,6 +15,9 @@ use nalgebra::Vector2;
 
 /// Rounds of selection and velocity jumps at one instant.
 const ROUNDS: usize = 8;
+/// Change of a vertex's velocity, m/s, up to which a jump needs no other choice of states: rounding. A
+/// jump from below the rest speed may turn the directions of other slow vertices, and with them loads.
+const NO_CHANGE: f64 = 1e-12;
 /// Impacts that may follow each other at one instant.
 const CASCADE: usize = 32;
 /// Impacts at one instant after which all slow touching vertices are stopped together.
@@ -34,6 +37,12 @@ impl RunState {
         if self.plant.method.locates_events() && self.locates_events() {
             self.count_event()?;
         }
+        self.choose_in_rounds(observer)
+    }
+
+    /// Impacts, selections and velocity jumps in turn, until a selection needs no jump.
+    fn choose_in_rounds(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        self.plant.has_point_forces = false;
         let mut impacts = 0;
         for round in 1..=ROUNDS {
             // Vertices brought to rest may drive others into the floor.
@@ -79,7 +88,7 @@ impl RunState {
             // allow end here; the choice is then repeated with the consistent velocities.
             let change = self.stop_clamped_directions();
             self.plant.evaluate_free();
-            if change <= self.tolerances.rest {
+            if change <= if self.locates_events() { NO_CHANGE } else { self.tolerances.rest } {
                 break;
             }
         }
@@ -89,7 +98,8 @@ impl RunState {
     }
 
     /// As [`choose_states`](Self::choose_states), with vertices slower than `speed` (m/s) set to
-    /// rest.
+    /// rest. The jump to rest changes velocities, and with them directions of friction and loads, so
+    /// the states are then chosen again for these velocities.
     pub(in crate::sim) fn choose_states_with_rest(
         &mut self,
         speed: f64,
@@ -99,7 +109,13 @@ impl RunState {
         (self.plant.rest, self.tolerances.rest) = (saved.0.max(speed), saved.1.max(speed));
         let result = self.choose_states(observer);
         (self.plant.rest, self.tolerances.rest) = saved;
-        result
+        result?;
+        if speed > saved.1 {
+            self.plant.evaluate_free();
+            self.plant.update_directions();
+            self.choose_in_rounds(observer)?;
+        }
+        Ok(())
     }
 
     /// Does a vertex hit the floor?

@@ -21,6 +21,7 @@ impl RunState {
         let is_imposed = (0..self.plant.problem.soles.len()).any(|s| self.is_imposed(s));
         let plant = &mut self.plant;
         let points = if is_imposed { None } else { plant.method.point_impulse(&plant.problem, &mut plant.solution) };
+        plant.has_point_forces = points.is_some();
         if let Some(states) = points {
             plant.states = states;
             for (s, directions) in plant.directions.iter_mut().enumerate() {

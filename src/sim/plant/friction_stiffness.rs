@@ -8,6 +8,10 @@
 //! A = sum_i (dq''/dtheta_i) (dtheta_i/dt_i . [dt_i/dx, J_i])       |dtheta/dt| = 1 / |t|  for |t| >= v_d
 //! ```
 //!
+//! The powers of the energy flows depend on theta likewise, as normal forces respond to directions: a
+//! column has their derivatives too, without which a stiff step has another order for the flows than
+//! for the motion.
+//!
 //! The eigenvalues are some `-mu_k N / (m |t|)`, m the mass that the vertex feels: 1e7 1/s at 1e-6
 //! m/s. Near a jam normal forces respond to directions, and they are a hundred times as high. The
 //! derivatives by directions are difference quotients, of contact solves at one configuration.
@@ -78,6 +82,7 @@ impl Plant {
             out.rank += 1;
         }
         let (configuration, velocities) = (self.layout.configuration(), self.layout.velocities());
+        let flows = self.layout.controlled()..self.layout.size();
         for (r, &(s, i)) in vertices[..out.rank].iter().enumerate() {
             let v = self.problem.soles[s].vertices[i];
             let (t, u) = (v.velocity.xy(), v.direction);
@@ -107,10 +112,12 @@ impl Plant {
             let column = &mut out.columns[r];
             column.fill(0.0);
             column[velocities.clone()].copy_from_slice(&self.acceleration);
+            column[flows.clone()].copy_from_slice(&self.powers().0);
             self.respond_with(s, i, u);
-            for (c, a) in column[velocities.clone()].iter_mut().zip(&self.acceleration) {
-                *c = (*c - a) / TURN;
-            }
+            let powers = self.powers().0;
+            let changes = column[velocities.clone()].iter_mut().zip(&self.acceleration);
+            changes.for_each(|(c, a)| *c = (*c - a) / TURN);
+            column[flows.clone()].iter_mut().zip(&powers).for_each(|(c, p)| *c = (*c - p) / TURN);
             self.kinematic_paths.joints().iter().for_each(|j| self.layout.hold(*j, column));
         }
     }

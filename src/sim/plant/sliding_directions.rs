@@ -2,7 +2,7 @@
 //! for its direction to be known.
 //!
 //! ```text
-//! d = t / |t|,   -t / |t| where t opposes the reference r (friction does not turn at zero speed)
+//! d = (t - 2 min(0, t . r) r) / |t|      (friction does not turn at zero speed, r: the reference)
 //! u = d                                   for |t| >= v_d
 //! u = ((1 - s) r + s d) / |...|           for |t| < v_d,   s = x^2 (3 - 2 x),  x = |t| / v_d
 //! v_d = max(1e-7 m/s, sum over the speeds that move the sole of (absolute + relative |v_j|))
@@ -10,8 +10,9 @@
 //! ```
 //!
 //! with t the tangential velocity of the vertex and the tolerances of the integrator
-//! (`docs/contact.md`, section 7). u is continuous in t up to a reversal, which is an event: a jump
-//! at v_d would stop the error control of steps.
+//! (`docs/contact.md`, section 7). Where t opposes r, an event, d continues as the mirror image of t.
+//! u is continuous in t. A jump at v_d would stop the error control of steps, and a jump at the event
+//! that of its location: a vertex slower than v_d could remain at it.
 
 use super::Plant;
 use nalgebra::Vector2;
@@ -29,20 +30,21 @@ pub(super) fn direction(t: &Vector2<f64>, reference: &Vector2<f64>, slow: f64) -
     if !(speed > 0.0) || speed < slow && *reference == Vector2::zeros() {
         return *reference;
     }
-    let own = if t.dot(reference) < 0.0 { -t / speed } else { t / speed };
+    let opposing = t.dot(reference).min(0.0);
+    let own = (t - reference * (2.0 * opposing)) / speed;
     if speed >= slow {
         return own;
     }
     let x = speed / slow;
     let s = x * x * (3.0 - 2.0 * x);
-    // At least 0.7 long: both are less than 90 degrees apart.
+    // At least 0.7 long: both are at most 90 degrees apart.
     (reference * (1.0 - s) + own * s).normalize()
 }
 
 impl Plant {
     /// Sets the sliding directions along the velocities. Where a vertex moves against its reference
-    /// direction the direction is continued through zero, so that the equations stay smooth until
-    /// the event is located.
+    /// direction the direction is continued through zero, so that the equations stay continuous
+    /// until the event is located.
     ///
     /// A method that does not locate its events holds the directions of its last choice: it could
     /// not stop in time when a vertex comes to rest.
@@ -84,5 +86,24 @@ impl Plant {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_direction_does_not_jump_where_a_vertex_moves_across_its_reference() {
+        let (reference, slow) = (Vector2::new(0.6, 0.8), DIRECTION_SPEED);
+        let across = Vector2::new(-0.8, 0.6);
+        let side = |along: f64, speed: f64| direction(&(reference * along + across * speed), &reference, slow);
+        for speed in [-3.0, -1.0, -0.4, -1e-3, 1e-3, 0.4, 1.0, 3.0].map(|x| x * slow) {
+            // The law has slopes of at most some 1 / |t|.
+            let jump = side(1e-9 * speed.abs(), speed) - side(-1e-9 * speed.abs(), speed);
+            assert!(jump.norm() < 1e-8, "{speed} {jump}");
+        }
+        // Against the reference it is that of the opposite velocity.
+        assert!((side(-3.0 * slow, 0.0) - reference).norm() < 1e-15);
     }
 }

@@ -14,7 +14,7 @@ use super::state_layout::StateLayout;
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, StoredEnergy};
 use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::States;
+use crate::contact::model::state::{MAX_SOLES, States};
 use crate::contact::search::candidate::share_static;
 use crate::dynamics::{DynamicsError, State, Workspace, crba, kinematics, reduced, rnea};
 use crate::force::{AppliedForces, Force, ForceContext, ForceError, ReportEvent};
@@ -84,10 +84,16 @@ pub struct Plant {
     pub states: States,
     /// The method's solution.
     pub solution: Solution,
+    /// Whether the forces on the vertices of static soles belong to the solution, not to a rule of
+    /// sharing: those of points in a sliding mode.
+    pub has_point_forces: bool,
     /// The method.
     pub method: Box<dyn ContactSolver>,
     /// Reference sliding directions, by sole and vertex, from the last choice of states.
     pub directions: Vec<Vec<Vector2<f64>>>,
+    /// Vertices of each sole, as bits, that have been faster than its `direction_speed` since they
+    /// began to slide.
+    pub fast_slips: [u64; MAX_SOLES],
     /// Friction region of each vertex, by sole and vertex; held while a step is integrated.
     pub(super) regions: Vec<Vec<VertexRegion>>,
     /// Speed below which a sliding vertex is at rest, m/s.
@@ -154,10 +160,12 @@ impl Plant {
             state,
             reduced: reduced::Reduced::new(&model, &ws),
             solution: Solution::new(&problem),
+            has_point_forces: false,
             states: States::default(),
             method,
             problem,
             directions,
+            fast_slips: [0; MAX_SOLES],
             regions: model.soles.iter().map(|s| vec![VertexRegion::default(); s.vertices.len()]).collect(),
             rest: setup.rest,
             step_error: setup.step_error,
@@ -413,6 +421,7 @@ impl Plant {
         self.evaluate_free();
         self.update_directions();
         self.method.respond(&self.problem, &self.states, &mut self.solution);
+        self.has_point_forces = false;
         self.close();
     }
 
@@ -429,7 +438,7 @@ impl Plant {
 
     /// Distributes the wrenches of static soles over their vertices, unless the method has done so.
     pub fn share_forces(&mut self) {
-        if !self.method.gives_vertex_forces() {
+        if !self.method.gives_vertex_forces() && !self.has_point_forces {
             share_static(&self.problem, &self.states, &mut self.solution);
         }
     }

@@ -18,9 +18,12 @@ use crate::sim::report::Observer;
 use crate::sim::run::RunState;
 use crate::sim::run_error::RunError;
 use crate::sim::termination::{check_finite, diverged};
+use nalgebra::Vector2;
 
 /// Width to which an event is located, relative to its step.
 const LOCATE: f64 = 1e-13;
+/// Size of the first step over a jump, relative to the time scale of the run, s.
+const FIRST_HOP: f64 = 1e-13;
 /// Greatest size of a step over a jump, s.
 const MAX_HOP: f64 = 1e-9;
 /// How far beyond an event a step is repeated to end, relative to its size.
@@ -53,6 +56,8 @@ pub struct ExplicitStepper {
     y: Vec<f64>,
     dense: Vec<f64>,
     functions: StepEventFunctions,
+    /// Reference directions at the start of the step.
+    directions: Vec<Vec<Vector2<f64>>>,
     /// Event functions at the start of the step, at the ends of the bracket, and scratch.
     start: Vec<f64>,
     left: Vec<f64>,
@@ -72,6 +77,7 @@ impl ExplicitStepper {
             y: vec![0.0; n],
             dense: vec![0.0; n],
             functions: StepEventFunctions::new(),
+            directions: Vec::new(),
             start: Vec::with_capacity(MAX_FUNCTIONS),
             left: Vec::with_capacity(MAX_FUNCTIONS),
             right: Vec::with_capacity(MAX_FUNCTIONS),
@@ -104,7 +110,7 @@ impl ExplicitStepper {
         let t0 = sim.plant.state.time;
         let layout = sim.plant.layout;
         let remaining = until - t0;
-        let hop = self.hop.take().filter(|_| discontinuity == Discontinuity::None);
+        let mut hop = self.hop.take().filter(|_| discontinuity == Discontinuity::None);
         let mut h = hop.unwrap_or_else(|| self.size.next(remaining)).min(remaining);
         sim.plant.within = t0 + 0.5 * h;
         if sim.locates_events() && discontinuity == Discontinuity::Corner {
@@ -128,47 +134,65 @@ impl ExplicitStepper {
         }
         self.left.resize(self.start.len(), 0.0);
         self.scratch.resize(self.start.len(), 0.0);
+        self.directions.clone_from(&sim.plant.directions);
+        let (mut event, mut located);
         loop {
-            sim.plant.within = t0 + 0.5 * h;
-            self.pair.attempt(&mut sim.plant, t0, h);
-            if hop.is_some() {
-                break;
-            }
-            let Some(factor) = self.pair.shorten(&mut self.size, &layout, h, remaining) else { break };
-            sim.metrics.rejected_steps += 1;
-            h *= factor;
-            if !(h > SMALLEST * (1.0 + t0)) {
-                sim.plant.unpack(t0, &self.y);
-                sim.plant.evaluate_free();
-                let unbounded = sim.locates_events() && sim.resolve_unbounded_force(observer)?;
-                if unbounded || sim.locates_events() && sim.crawls(CRAWL) {
-                    // A crawling vertex has come to rest: its direction turns faster than steps
-                    // resolve.
-                    let rest = if unbounded { 0.0 } else { CRAWL };
-                    sim.choose_states_with_rest(rest, observer)?;
-                    self.fresh = true;
-                    self.restart();
-                    sim.measure_step();
-                    return Ok(());
+            loop {
+                sim.plant.within = t0 + 0.5 * h;
+                self.pair.attempt(&mut sim.plant, t0, h);
+                if hop.is_some_and(|_| {
+                    self.pair.shorten_located(&self.size, &layout).is_none() || h <= FIRST_HOP * (1.0 + t0)
+                }) {
+                    break;
                 }
-                return Err(diverged(&sim.plant, "the step size collapsed"));
+                // Forces that grow without bound are no jump: their steps need error control.
+                hop = None;
+                let Some(factor) = self.pair.shorten(&mut self.size, &layout, h, remaining) else { break };
+                sim.metrics.rejected_steps += 1;
+                h *= factor;
+                if !(h > SMALLEST * (1.0 + t0)) {
+                    sim.plant.unpack(t0, &self.y);
+                    sim.plant.evaluate_free();
+                    let unbounded = sim.locates_events() && sim.resolve_unbounded_force(observer)?;
+                    if unbounded || sim.locates_events() && sim.crawls(CRAWL) {
+                        // A crawling vertex has come to rest: its direction turns faster than steps
+                        // resolve.
+                        let rest = if unbounded { 0.0 } else { CRAWL };
+                        sim.choose_states_with_rest(rest, observer)?;
+                        self.fresh = true;
+                        self.restart();
+                        sim.measure_step();
+                        return Ok(());
+                    }
+                    return Err(diverged(&sim.plant, "the step size collapsed"));
+                }
             }
-        }
-        // The last stage was evaluated at the end of the step, where the plant now is.
-        self.functions.values(sim, &mut self.right);
-        for _ in 0..MOST_CROSSINGS {
-            let Some(part) = self.functions.passed_over(sim, &self.right).filter(|_| sim.locates_events()) else {
-                break;
-            };
-            h *= part;
-            self.pair.attempt(&mut sim.plant, t0, h);
+            // The last stage was evaluated at the end of the step, where the plant now is.
             self.functions.values(sim, &mut self.right);
-        }
-        let mut event = self.right.iter().any(|g| *g < 0.0);
-        let located = event && hop.is_none() && (sim.locates_events() || sim.locates_surface());
-        if located {
+            for _ in 0..MOST_CROSSINGS {
+                let Some(part) = self.functions.passed_over(sim, &self.right).filter(|_| sim.locates_events()) else {
+                    break;
+                };
+                h *= part;
+                self.pair.attempt(&mut sim.plant, t0, h);
+                self.functions.values(sim, &mut self.right);
+            }
+            event = self.right.iter().any(|g| *g < 0.0);
+            located = event && hop.is_none() && (sim.locates_events() || sim.locates_surface());
+            if !located {
+                break;
+            }
             h = self.locate(sim, t0, h);
             event = self.hop.is_none();
+            // The longer step met the tolerances with the equations continued beyond the event. Where
+            // a vertex almost stops and turns, these are smoother than those before the event.
+            let Some(factor) = self.pair.shorten_located(&self.size, &layout).filter(|_| h > MAX_HOP) else {
+                break;
+            };
+            sim.metrics.rejected_steps += 1;
+            sim.plant.directions.clone_from(&self.directions);
+            self.hop = None;
+            h *= factor;
         }
         if let Some(size) = hop.filter(|size| !event && *size < MAX_HOP) {
             self.hop = Some(2.0 * size);
@@ -195,10 +219,11 @@ impl ExplicitStepper {
             sim.measure_step();
             return Ok(());
         }
-        sim.project_drift();
-        // Not if no state was found: another selection would find none either.
+        // Both read accelerations of vertices, whose biases drift projection clears. None is set to rest
+        // if no state was found: another selection would find none either.
         let stops = if doubtful { 0.0 } else { sim.slow_to_rest() };
         event |= doubtful || !sim.locates_events() || self.functions.tolerated_too_much(sim) || stops > 0.0;
+        sim.project_drift();
         if event {
             sim.metrics.events += u64::from(sim.locates_events());
             self.functions.suspects(&self.right, &mut sim.suspect);
@@ -248,13 +273,15 @@ impl ExplicitStepper {
     /// solution of the same order, so a step to an event located on it misses the event. A second
     /// step that ends just beyond the event, where its dense output is as accurate as its end,
     /// removes the difference. Vertices that come to rest there have turned since the start of the
-    /// step, so the second step takes their directions just before the event as references.
+    /// step, so further steps take their directions just before the event as references. The first
+    /// step cannot give these: where a vertex is that slow, its dense output may be mostly error.
     fn locate(&mut self, sim: &mut RunState, t0: f64, full: f64) -> f64 {
         let mut h = full;
         let mut near = false;
-        for &beyond in if self.pair.is_stiff() { STIFF_BEYOND } else { BEYOND } {
+        let passes = if self.pair.is_stiff() { STIFF_BEYOND } else { BEYOND };
+        for (pass, &beyond) in passes.iter().enumerate() {
             let event = h * self.crossing(sim, t0, h);
-            if h == full {
+            if pass == 1 && h < full {
                 self.pair.interpolate((1.0 - BEFORE) * event / h, &mut self.dense);
                 sim.plant.unpack(t0 + (1.0 - BEFORE) * event, &self.dense);
                 sim.plant.refresh();
@@ -276,7 +303,7 @@ impl ExplicitStepper {
         }
         // If a force jumps with the state (a joint meets its stop), the end may be before the jump,
         // where the states are still valid.
-        self.hop = near.then_some(LOCATE * (1.0 + t0));
+        self.hop = near.then_some(FIRST_HOP * (1.0 + t0));
         h
     }
 

@@ -125,6 +125,16 @@ impl MethodPair {
         }
     }
 
+    /// As [`shorten`](Self::shorten) for a step that has been repeated to end at an event. The size
+    /// of the next step does not change.
+    pub fn shorten_located(&self, size: &StepSize, layout: &StateLayout) -> Option<f64> {
+        let error = |tolerances| match self.is_stiff {
+            true => self.stiff.error(tolerances, layout.error_groups()),
+            false => self.explicit.error(tolerances, layout.error_groups()),
+        };
+        self.stiff_size.as_ref().filter(|_| self.is_stiff).unwrap_or(size).shorten_located(error)
+    }
+
     /// Solution at the end of the last attempt.
     pub fn end(&self) -> &[f64] {
         if self.is_stiff { &self.stiff.end } else { &self.explicit.end }

@@ -48,6 +48,14 @@ impl StepSize {
         Some(factor)
     }
 
+    /// As [`shorten`](Self::shorten) for a step that ends at an event: the size of the next step does
+    /// not change.
+    pub fn shorten_located(&self, error: impl Fn((f64, f64)) -> f64) -> Option<f64> {
+        let StepSize::Controlled { control, relative, absolute, .. } = self else { return None };
+        let error = error((*relative, *absolute));
+        (!(error <= 1.0)).then(|| control.clone().factor(error))
+    }
+
     /// Resets the size after a jump of the equations.
     pub fn restart(&mut self) {
         if let StepSize::Controlled { max_step, h, .. } = self {
