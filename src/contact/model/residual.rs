@@ -64,10 +64,36 @@ impl Residual {
     }
 }
 
+/// Violation of the laws that limit loads, see [`Residual`].
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Loads {
+    tension: f64,
+    cone_excess: f64,
+    resultant_gap: f64,
+}
+
 /// Evaluates the residuals. `solution` must hold wrenches and the forces of all vertices; of `p`
 /// only positions, velocities and friction coefficients of the vertices are read.
 pub fn evaluate(p: &Problem, states: &States, solution: &Solution) -> Residual {
-    let mut r = Residual { lift: f64::INFINITY, ..Residual::default() };
+    evaluate_motion(loads(p, states, solution), p, states, solution)
+}
+
+/// As [`evaluate`], with loads that were evaluated where the step began: a fixed step turns the
+/// soles after its forces have been computed.
+pub fn evaluate_motion(loads: Loads, p: &Problem, states: &States, solution: &Solution) -> Residual {
+    let Loads { tension, cone_excess, resultant_gap } = loads;
+    let mut r = Residual { lift: f64::INFINITY, tension, cone_excess, resultant_gap, ..Residual::default() };
+    for (s, sole) in p.soles.iter().enumerate() {
+        for (i, v) in sole.vertices.iter().enumerate() {
+            r.motion(v, solution.normal[s][i], &solution.tangent[s][i], role(states[s], i, sole.vertices.len()));
+        }
+    }
+    r
+}
+
+/// Evaluates the residuals of the loads. Of `p` positions and friction coefficients are read.
+pub fn loads(p: &Problem, states: &States, solution: &Solution) -> Loads {
+    let mut r = Loads::default();
     for (s, sole) in p.soles.iter().enumerate() {
         let (normal, tangent) = (&solution.normal[s], &solution.tangent[s]);
         let wrench = &solution.wrench[6 * s..6 * s + 6];
@@ -109,22 +135,29 @@ fn role(state: SoleState, i: usize, k: usize) -> Role {
     }
 }
 
-impl Residual {
+impl Loads {
     fn vertex(&mut self, v: &Vertex, n: f64, t: &Vector2<f64>, role: Role) {
+        self.tension = self.tension.max(-n);
+        let mu = match role {
+            // Its edge or face is tested.
+            Role::Sticks => return,
+            Role::Unclamped | Role::Pivots => v.mu_s,
+            Role::Slides => v.mu_k,
+        };
+        self.cone_excess = self.cone_excess.max(t.norm() - mu * n.max(0.0));
+    }
+}
+
+impl Residual {
+    fn motion(&mut self, v: &Vertex, n: f64, t: &Vector2<f64>, role: Role) {
         self.penetration = self.penetration.max(-v.height);
         self.lift = self.lift.min(v.height);
-        self.tension = self.tension.max(-n);
         self.signorini = self.signorini.max((n * v.height).abs());
         let slip = v.velocity.xy();
         match role {
-            Role::Unclamped => self.cone_excess = self.cone_excess.max(t.norm() - v.mu_s * n.max(0.0)),
-            Role::Sticks => self.creep_speed = self.creep_speed.max(slip.norm()),
-            Role::Pivots => {
-                self.cone_excess = self.cone_excess.max(t.norm() - v.mu_s * n.max(0.0));
-                self.creep_speed = self.creep_speed.max(slip.norm());
-            }
+            Role::Unclamped => {}
+            Role::Sticks | Role::Pivots => self.creep_speed = self.creep_speed.max(slip.norm()),
             Role::Slides => {
-                self.cone_excess = self.cone_excess.max(t.norm() - v.mu_k * n.max(0.0));
                 self.dissipation_gap = self.dissipation_gap.max((v.mu_k * n * slip.norm() + t.dot(&slip)).abs());
             }
         }
@@ -166,7 +199,7 @@ fn face_margin<const MOST: usize>(sole: &SoleProblem, normal: &[f64], tangent: &
         *point = (v.mu_s * n.max(0.0), v.r.xy());
     }
     // The wrench itself is tested: without normal load its split over the vertices need not exist. A
-    // step that turns the sole changes the moment of its vertex forces slightly.
+    // fixed step that turns the sole changes the moment of its logged vertex forces slightly.
     let (points, force) = (&points[..sole.vertices.len()], Vector2::new(wrench[0], wrench[1]));
     let mut balanced = [Vector2::zeros(); MOST];
     friction_capacity::balance(points, tangent, &force, wrench[5], &mut balanced);

@@ -42,7 +42,7 @@ impl RunState {
 
     /// Impacts, selections and velocity jumps in turn, until a selection needs no jump.
     fn choose_in_rounds(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
-        self.plant.has_point_forces = false;
+        (self.plant.has_point_forces, self.plant.step_loads) = (false, None);
         let mut impacts = 0;
         for round in 1..=ROUNDS {
             // Vertices brought to rest may drive others into the floor.

@@ -6,7 +6,7 @@
 //! `rms = sqrt(sum r_i^2 dt_i / sum dt_i)`.
 
 use super::energy_balance::EnergyBalance;
-use crate::contact::model::residual::{self, RESIDUALS};
+use crate::contact::model::residual::RESIDUALS;
 use crate::contact::model::state::MAX_SOLES;
 use crate::sim::plant::Plant;
 use crate::sim::report::Metrics;
@@ -78,8 +78,7 @@ impl ResidualMaxima {
         if plant.problem.soles.is_empty() {
             return;
         }
-        plant.share_forces();
-        let r = residual::evaluate(&plant.problem, &plant.states, &plant.solution);
+        let r = plant.residual();
         for (running, value) in self.residuals.iter_mut().zip(r.values()) {
             running.add(value, dt);
         }

@@ -1,6 +1,5 @@
 //! Filling of snapshots from the plant and the estimator.
 
-use crate::contact::model::residual;
 use crate::dynamics::body;
 use crate::geometry::stable_point::Edge;
 use crate::geometry::{convex_hull, stable_point};
@@ -77,8 +76,7 @@ pub fn fill_estimate(estimator: &Estimator, readings: &SensorReadings, out: &mut
 
 /// Fills a snapshot from the plant's last evaluation. `edges` is scratch.
 pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
-    plant.share_forces();
-    out.residual = residual::evaluate(&plant.problem, &plant.states, &plant.solution);
+    out.residual = plant.residual();
     let (state, model) = (&plant.state, &plant.model);
     let nb = model.nb();
     out.time = state.time;

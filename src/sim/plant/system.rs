@@ -13,6 +13,7 @@ use super::sole_impulses::SoleImpulses;
 use super::state_layout::StateLayout;
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, StoredEnergy};
 use crate::contact::model::problem::{Level, Problem};
+use crate::contact::model::residual::{self, Residual};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, States};
 use crate::contact::search::candidate::share_static;
@@ -87,6 +88,8 @@ pub struct Plant {
     /// Whether the forces on the vertices of static soles belong to the solution, not to a rule of
     /// sharing: those of points in a sliding mode.
     pub has_point_forces: bool,
+    /// Residuals of the loads of the last velocity-level step, where it was solved.
+    pub step_loads: Option<residual::Loads>,
     /// The method.
     pub method: Box<dyn ContactSolver>,
     /// Reference sliding directions, by sole and vertex, from the last choice of states.
@@ -161,6 +164,7 @@ impl Plant {
             reduced: reduced::Reduced::new(&model, &ws),
             solution: Solution::new(&problem),
             has_point_forces: false,
+            step_loads: None,
             states: States::default(),
             method,
             problem,
@@ -421,7 +425,7 @@ impl Plant {
         self.evaluate_free();
         self.update_directions();
         self.method.respond(&self.problem, &self.states, &mut self.solution);
-        self.has_point_forces = false;
+        (self.has_point_forces, self.step_loads) = (false, None);
         self.close();
     }
 
@@ -441,6 +445,21 @@ impl Plant {
         if !self.method.gives_vertex_forces() && !self.has_point_forces {
             share_static(&self.problem, &self.states, &mut self.solution);
         }
+    }
+
+    /// Residuals of the contact laws at the present state.
+    pub fn residual(&mut self) -> Residual {
+        self.share_forces();
+        let (p, states, solution) = (&self.problem, &self.states, &self.solution);
+        let loads = self.step_loads.unwrap_or_else(|| residual::loads(p, states, solution));
+        residual::evaluate_motion(loads, p, states, solution)
+    }
+
+    /// Evaluates the residuals of the loads of a velocity-level step at the state in which it was
+    /// solved.
+    pub fn evaluate_step_loads(&mut self) {
+        self.share_forces();
+        self.step_loads = Some(residual::loads(&self.problem, &self.states, &self.solution));
     }
 
     /// Adds the contact wrenches of the solution to the accelerations.

@@ -118,6 +118,7 @@ pub(super) fn apply_step(sim: &mut RunState, dt: f64, end: f64) {
     sim.energy.jump_work += jumps;
     plant.drives.advance_lag(&plant.model, &sim.displacement[nb..], dt, &mut plant.state.actuators);
     plant.solution.scale(1.0 / dt);
+    plant.evaluate_step_loads();
     plant.state.v.iter().zip(&mut sim.displacement).for_each(|(v, d)| *d = v * dt);
     plant.state.displace(&sim.displacement);
     plant.state.time = end;
