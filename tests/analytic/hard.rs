@@ -292,6 +292,26 @@ fn loads_of_fixed_steps_are_those_of_the_geometry_they_were_solved_for() {
     assert!(m.max_resultant_gap_n < 1e-9, "{}", m.max_resultant_gap_n);
 }
 
+/// CB-i, pushed, slides on one vertex towards the singular point where its force grows without bound.
+/// There it lets go at once, but sliding with a great load is valid too: a program that found that again
+/// ended after 200 events at one instant.
+#[test]
+fn a_vertex_that_lets_go_at_the_singular_point_leaves_the_floor() {
+    let (m, recording) = watch(
+        "duration = 1.38
+        seed = 19
+        floor.friction = 0.8471611828544174
+        contact.velocity_tolerance = 0.02
+        control.rate = 500
+        log.rate = 0
+        integrator.method = \"dopri5\"
+        robot = { model = \"robots/cbi/cbi.toml\", base = { rpy = [0.2, 0, 0], linear_velocity = [0, 0, -0.6264] } }
+        force = [{ type = \"random-pushes\", links = [\"torso\"], number = 1, start = 0.2, duration = 0.4, magnitude = [61.7, 493.5], push_duration = [0.02, 0.3], direction = \"any\", profile = \"half-sine\" }]\n",
+    );
+    let jam = recording.events.iter().position(|e| e.kind == "jam").expect("the case has changed");
+    assert_eq!((recording.events[jam + 1].kind.as_str(), m.jams, m.inconsistent), ("liftoff", 1, 0));
+}
+
 /// A pushed HOAP-2 whose world is turned about the vertical: it slips, rocks, lifts off and lands as
 /// before, in the same steps.
 #[test]

@@ -3,7 +3,7 @@
 
 use crate::contact::hybrid::copositivity::{SlidingLoad, least_sliding_load};
 use crate::contact::hybrid::painleve;
-use crate::contact::model::state::{SoleState, States};
+use crate::contact::model::state::{Mode, Pattern, SoleState, States};
 use crate::sim::event_kind::EventKind;
 use crate::sim::report::Observer;
 use crate::sim::run::RunState;
@@ -114,6 +114,12 @@ impl RunState {
         let result =
             format!("force without bound; an impulse of {high:.6e} N s {end}, energy lost {:.6e} J", -jump.contact);
         self.report_jam(&load, &result, observer)?;
+        if leaves {
+            // Near the singular point sliding with a great load is valid too, and would be found again.
+            let mut states = self.plant.states;
+            states[s] = without(states[s], i, self.plant.problem.soles[s].vertices.len());
+            self.adopt(states, observer)?;
+        }
         Ok(true)
     }
 
@@ -186,4 +192,19 @@ impl RunState {
 
 fn scaled(wrench: &[f64], factor: f64) -> Vec<f64> {
     wrench.iter().map(|w| w * factor).collect()
+}
+
+/// The state of a sole of `k` vertices whose vertex `i` has left the floor. What remains of a face is
+/// left to the selection.
+fn without(state: SoleState, i: usize, k: usize) -> SoleState {
+    match state.pattern {
+        Pattern::Vertex(_) => SoleState::FREE,
+        Pattern::Edge(first) => {
+            let first = first as usize;
+            let other = if i == first { (first + 1) % k } else { first } as u8;
+            let mode = if state.mode == Mode::Pivoting(other) { Mode::Static } else { Mode::Sliding };
+            SoleState { pattern: Pattern::Vertex(other), mode }
+        }
+        _ => state,
+    }
 }
