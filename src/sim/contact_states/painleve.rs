@@ -39,15 +39,22 @@ impl RunState {
 
     /// Speed, m/s, up to which to set vertices to rest because the slip of one of them jams, but is
     /// too slow for the impact law to resolve its end: the approach that stands for a vanishing one
-    /// is no longer small. Reports the jam. Needs a free evaluation for which no valid state was found.
-    pub(in crate::sim) fn slow_jamming_slip(&mut self, observer: &mut dyn Observer) -> Result<Option<f64>, RunError> {
+    /// is no longer small. With `within_error` only a slip that the error of a step may have caused:
+    /// that needs no search through all states before. Reports the jam. Needs a free evaluation for which
+    /// no valid state was found.
+    pub(in crate::sim) fn slow_jamming_slip(
+        &mut self,
+        within_error: bool,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<f64>, RunError> {
         if !self.locates_events() {
             return Ok(None);
         }
         let Some(load) = self.jamming_load() else { return Ok(None) };
         let (s, i) = load.at;
         let slip = self.plant.problem.soles[s].vertices[i].velocity.xy().norm();
-        if slip > SLOW || slip <= self.plant.rest {
+        let most = if within_error { self.plant.direction_speed(s) } else { SLOW };
+        if slip > most || slip <= self.plant.rest {
             return Ok(None);
         }
         self.report_jam(&load, &format!("slip of {slip:.3e} m/s set to rest"), observer)?;

@@ -68,6 +68,9 @@ impl RunState {
             if invalid && round < ROUNDS && self.resolve_jam(observer)? {
                 continue;
             }
+            if invalid && let Some(slip) = self.slow_jamming_slip(!selection.exhausted, observer)? {
+                return self.choose_states_with_rest(slip, observer);
+            }
             if invalid && !selection.exhausted {
                 self.plant.evaluate_free();
                 self.plant.solution.copy_from(&self.before_selection);
@@ -75,7 +78,7 @@ impl RunState {
                 self.count(&selection);
                 invalid = !selection.consistent && !self.all_imposed(&selection.assessment);
             }
-            if invalid && let Some(slip) = self.slow_jamming_slip(observer)? {
+            if invalid && let Some(slip) = self.slow_jamming_slip(false, observer)? {
                 return self.choose_states_with_rest(slip, observer);
             }
             if invalid {
