@@ -272,6 +272,28 @@ fn a_landing_with_loose_tolerances_makes_progress() {
     }
 }
 
+/// HOAP-2, pushed on a slope, slides on one vertex towards the singular point. Its slip turns towards a
+/// jam, but the velocity level has none there; a program that tried nothing else ended as `diverged`.
+#[test]
+fn a_force_without_bound_ends_where_the_slip_turns_without_a_jam() {
+    let (m, recording) = watch(
+        "duration = 0.66
+        seed = 29
+        floor = { friction = 0.907182238408195, rpy = [0, \"12 deg\", 0] }
+        contact.velocity_tolerance = 0.02
+        control.rate = 500
+        log.rate = 0
+        integrator.method = \"dopri5\"
+        robot = { model = \"robots/hoap2/hoap2.toml\", base = { rpy = [0, \"12 deg\", 0] } }
+        force = [{ type = \"random-pushes\", links = [\"torso\"], number = 1, start = 0.2, duration = 0.4, magnitude = [7.0, 55.9], push_duration = [0.02, 0.3], direction = \"any\", profile = \"half-sine\" }]\n",
+    );
+    let jam = recording.events.iter().find(|e| e.kind == "jam").expect("the case has changed");
+    assert!(jam.message.contains("force without bound"), "{}", jam.message);
+    assert_eq!(m.inconsistent, 0);
+    // The integrator.
+    assert!(m.max_energy_error_j < 1e-6, "{}", m.max_energy_error_j);
+}
+
 /// CB-i lands tilted and falls. Fixed steps turn a sole on its edge by some milliradians, so that the
 /// forces of a step, at their limit, would exceed it by 9e-3 N where the step ends.
 #[test]

@@ -90,8 +90,9 @@ impl RunState {
         let (s, i) = load.at;
         let start = self.plant.state.v.clone();
         let slip = self.plant.problem.soles[s].vertices[i].velocity.xy();
-        if self.turns_into_floor(&load) {
-            return self.apply_jam(&load, observer);
+        // Without a jam, although the slip turns that way, the force ends as in a plane.
+        if self.turns_into_floor(&load) && self.apply_jam(&load, observer)? {
+            return Ok(true);
         }
         let mut after_impulse = |size: f64| {
             let plant = &mut self.plant;
