@@ -14,8 +14,9 @@ use crate::contact::model::problem::{Level, Problem, SoleProblem, TOUCHING, Tole
 use crate::contact::model::state::{SoleState, States};
 use nalgebra::{Vector2, Vector3};
 
-/// Depth, in distance tolerances, down to which a vertex can arrive at the floor.
-const REACH: f64 = 100.0;
+/// Depth, in distance tolerances, down to which a vertex can arrive at the floor: a vertex that lets go
+/// where it was clamped may be 1e-8 m deep, and be driven back by another that stops.
+const REACH: f64 = 1000.0;
 
 /// Whether an unclamped vertex touches the floor and approaches it, or is within d of the floor and
 /// approaches it faster than v_t. Soles with imposed states have no impacts.
