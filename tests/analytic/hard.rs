@@ -2,7 +2,7 @@
 //! unactuated joints, whole feet that land at once.
 
 use super::body::G;
-use super::support::{rk4, watch};
+use super::support::{hard_push, rk4, watch};
 use std::fs;
 use stiction::sim::Metrics;
 use tempfile::TempDir;
@@ -276,17 +276,14 @@ fn a_landing_with_loose_tolerances_makes_progress() {
 /// jam, but the velocity level has none there; a program that tried nothing else ended as `diverged`.
 #[test]
 fn a_force_without_bound_ends_where_the_slip_turns_without_a_jam() {
-    let (m, recording) = watch(
+    let (m, recording) = watch(&hard_push(
+        "hoap2",
+        "rpy = [0, \"12 deg\", 0]",
         "duration = 0.66
         seed = 29
         floor = { friction = 0.907182238408195, rpy = [0, \"12 deg\", 0] }
-        contact.velocity_tolerance = 0.02
-        control.rate = 500
-        log.rate = 0
-        integrator.method = \"dopri5\"
-        robot = { model = \"robots/hoap2/hoap2.toml\", base = { rpy = [0, \"12 deg\", 0] } }
-        force = [{ type = \"random-pushes\", links = [\"torso\"], number = 1, start = 0.2, duration = 0.4, magnitude = [7.0, 55.9], push_duration = [0.02, 0.3], direction = \"any\", profile = \"half-sine\" }]\n",
-    );
+        integrator.method = \"dopri5\"",
+    ));
     let jam = recording.events.iter().find(|e| e.kind == "jam").expect("the case has changed");
     assert!(jam.message.contains("force without bound"), "{}", jam.message);
     assert_eq!(m.inconsistent, 0);
@@ -298,17 +295,14 @@ fn a_force_without_bound_ends_where_the_slip_turns_without_a_jam() {
 /// forces of a step, at their limit, would exceed it by 9e-3 N where the step ends.
 #[test]
 fn loads_of_fixed_steps_are_those_of_the_geometry_they_were_solved_for() {
-    let (m, _) = watch(
+    let (m, _) = watch(&hard_push(
+        "cbi",
+        "rpy = [0.2, 0, 0], linear_velocity = [0, 0, -0.6264]",
         "duration = 1.27
         seed = 9
         floor.friction = 0.628968902827847
-        contact.velocity_tolerance = 0.02
-        control.rate = 500
-        log.rate = 0
-        integrator = { method = \"semi-implicit\", step = 1e-3 }
-        robot = { model = \"robots/cbi/cbi.toml\", base = { rpy = [0.2, 0, 0], linear_velocity = [0, 0, -0.6264] } }
-        force = [{ type = \"random-pushes\", links = [\"torso\"], number = 1, start = 0.2, duration = 0.4, magnitude = [61.7, 493.5], push_duration = [0.02, 0.3], direction = \"any\", profile = \"half-sine\" }]\n",
-    );
+        integrator = { method = \"semi-implicit\", step = 1e-3 }",
+    ));
     // Rounding of loads of some 1000 N.
     assert!(m.max_cone_excess < 1e-9 && m.max_tension_n < 1e-9, "{} {}", m.max_cone_excess, m.max_tension_n);
     assert!(m.max_resultant_gap_n < 1e-9, "{}", m.max_resultant_gap_n);
@@ -319,17 +313,11 @@ fn loads_of_fixed_steps_are_those_of_the_geometry_they_were_solved_for() {
 /// ended after 200 events at one instant.
 #[test]
 fn a_vertex_that_lets_go_at_the_singular_point_leaves_the_floor() {
-    let (m, recording) = watch(
-        "duration = 1.38
-        seed = 19
-        floor.friction = 0.8471611828544174
-        contact.velocity_tolerance = 0.02
-        control.rate = 500
-        log.rate = 0
-        integrator.method = \"dopri5\"
-        robot = { model = \"robots/cbi/cbi.toml\", base = { rpy = [0.2, 0, 0], linear_velocity = [0, 0, -0.6264] } }
-        force = [{ type = \"random-pushes\", links = [\"torso\"], number = 1, start = 0.2, duration = 0.4, magnitude = [61.7, 493.5], push_duration = [0.02, 0.3], direction = \"any\", profile = \"half-sine\" }]\n",
-    );
+    let (m, recording) = watch(&hard_push(
+        "cbi",
+        "rpy = [0.2, 0, 0], linear_velocity = [0, 0, -0.6264]",
+        "duration = 1.38\nseed = 19\nfloor.friction = 0.8471611828544174\nintegrator.method = \"dopri5\"",
+    ));
     let jam = recording.events.iter().position(|e| e.kind == "jam").expect("the case has changed");
     assert_eq!((recording.events[jam + 1].kind.as_str(), m.jams, m.inconsistent), ("liftoff", 1, 0));
 }

@@ -1,27 +1,24 @@
 //! Sliding modes: states that alternate faster than steps resolve, and slow sliding that is none.
 
-use super::support::watch;
+use super::support::{hard_push, watch};
 
-/// CB-i, pushed on a slope, rocks over a vertex. At 1.1057 s an impact of a few micrometres per second
-/// lets `vertex-3-static` and `edge-3-dynamic` of its left foot alternate.
-const SLOPE: &str = "duration = 1.108
-    seed = 9
-    floor = { friction = 0.628968902827847, rpy = [0, \"12 deg\", 0] }
-    contact = { velocity_tolerance = 0.02 }
-    control = { rate = 500 }
-    log = { rate = 0 }
-    integrator = { method = \"dopri5\" }
-    robot = { model = \"robots/cbi/cbi.toml\", base = { rpy = [0, \"12 deg\", 0] } }
-    force = [{ type = \"random-pushes\", links = [\"torso\"], number = 1, start = 0.2, duration = 0.4, magnitude = [61.7, 493.5], push_duration = [0.02, 0.3], direction = \"any\", profile = \"half-sine\" }]";
-
-/// Position (m) and yaw (rad) of the base at its end in a run without sliding modes, which locates 343
-/// events (the same program with their detection removed).
+/// Position (m) and yaw (rad) of the base of CB-i on a slope, in a run without sliding modes, which
+/// locates 343 events (the same program with their detection removed).
 const RESOLVED: ([f64; 3], f64) =
     ([0.6562004075367339, -0.0011300944748478914, 0.536986383818306], -0.002451264934209137);
 
+/// CB-i, pushed on a slope, rocks over a vertex. At 1.1057 s an impact of a few micrometres per second
+/// lets `vertex-3-static` and `edge-3-dynamic` of its left foot alternate.
 #[test]
 fn a_sliding_mode_moves_as_the_run_that_locates_every_event() {
-    let (m, recording) = watch(SLOPE);
+    let (m, recording) = watch(&hard_push(
+        "cbi",
+        "rpy = [0, \"12 deg\", 0]",
+        "duration = 1.108
+        seed = 9
+        floor = { friction = 0.628968902827847, rpy = [0, \"12 deg\", 0] }
+        integrator.method = \"dopri5\"",
+    ));
     let (position, yaw) = RESOLVED;
     // The integrator's default tolerances: with a tenth of them, which alternate no longer, the run ends
     // 5e-9 m and 2e-7 rad away.
@@ -75,17 +72,11 @@ fn a_tilted_landing_with_slow_slips_has_few_events() {
 /// within microseconds; taken for friction that stops it, that led to a sliding mode.
 #[test]
 fn a_slip_that_begins_slowly_goes_on() {
-    let (m, recording) = watch(
-        "duration = 0.56
-        seed = 9
-        floor = { friction = 0.34075515174311477 }
-        contact = { velocity_tolerance = 0.02 }
-        control = { rate = 500 }
-        log = { rate = 0 }
-        integrator = { method = \"dopri5\" }
-        robot = { model = \"robots/quadruped/quadruped.toml\", base = { rpy = [0.28, -0.28, 0], linear_velocity = [0, 0, -0.9905] } }
-        force = [{ type = \"random-pushes\", links = [\"body\"], number = 1, start = 0.2, duration = 0.4, magnitude = [13.1, 105.0], push_duration = [0.02, 0.3], direction = \"any\", profile = \"half-sine\" }]",
-    );
+    let (m, recording) = watch(&hard_push(
+        "quadruped",
+        "rpy = [0.28, -0.28, 0], linear_velocity = [0, 0, -0.9905]",
+        "duration = 0.56\nseed = 9\nfloor.friction = 0.34075515174311477\nintegrator.method = \"dopri5\"",
+    ));
     assert!(recording.events.iter().any(|e| e.kind == "slip" && e.time > 0.553), "the case has changed");
     assert!(recording.events.iter().all(|e| e.kind != "stick" || e.time < 0.553), "{:?}", recording.events);
     assert_eq!(m.sliding_mode_s, 0.0);
@@ -96,17 +87,11 @@ fn a_slow_vertex_of_a_turning_foot_slides_on() {
     // CB-i, pushed, tips over one vertex, which begins to slide at 1.328 s while its foot turns at some
     // rad/s. Its centripetal acceleration is no sign that friction stops it: a program that took it
     // for one set the vertex to rest 16 times within 0.14 ms.
-    let (m, recording) = watch(
-        "duration = 1.34
-        seed = 101
-        floor = { friction = 0.8065298445815767 }
-        contact = { velocity_tolerance = 0.02 }
-        control = { rate = 500 }
-        log = { rate = 0 }
-        integrator = { method = \"dopri5\" }
-        robot = { model = \"robots/cbi/cbi.toml\" }
-        force = [{ type = \"random-pushes\", links = [\"torso\"], number = 1, start = 0.2, duration = 0.4, magnitude = [61.7, 493.5], push_duration = [0.02, 0.3], direction = \"any\", profile = \"half-sine\" }]",
-    );
+    let (m, recording) = watch(&hard_push(
+        "cbi",
+        "",
+        "duration = 1.34\nseed = 101\nfloor.friction = 0.8065298445815767\nintegrator.method = \"dopri5\"",
+    ));
     assert!(recording.events.iter().any(|e| e.kind == "slip" && e.time > 1.327), "the case has changed");
     assert_eq!(m.sliding_mode_s, 0.0);
     // The integrator.

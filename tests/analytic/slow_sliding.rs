@@ -12,7 +12,7 @@
 //! deviation of the direction at the rate g sin(theta) / s.
 
 use super::body::G;
-use super::support::{TIGHT, run};
+use super::support::{TIGHT, hard_push, run};
 
 const ANGLE: f64 = 0.3;
 
@@ -74,28 +74,17 @@ fn a_slide_that_stops_turns_back_at_the_right_instant() {
     }
 }
 
-/// CB-i on a level floor, with the default tolerances.
-fn cbi(duration: f64, friction: f64, more: &str) -> stiction::sim::Metrics {
-    run(&format!(
-        "duration = {duration}
-        floor = {{ friction = {friction} }}
-        contact = {{ velocity_tolerance = 0.02 }}
-        control = {{ rate = 500 }}
-        log = {{ rate = 0 }}
-        {more}"
-    ))
-}
-
 #[test]
 fn energy_balances_where_slow_vertices_turn() {
-    // A landing on one edge, of which a vertex almost stops while the other slides on. The normal
-    // force of the latter, and with it the power of friction, responds to the direction of the former.
-    let m = cbi(
-        1.25,
-        0.526281982817154,
-        "integrator = { method = \"dopri5\" }
-        robot = { model = \"robots/cbi/cbi.toml\", base = { rpy = [0.2, 0, 0], linear_velocity = [0, 0, -0.6264] } }",
-    );
+    // CB-i lands on one edge, of which a vertex almost stops while the other slides on. The normal force
+    // of the latter, and with it the power of friction, responds to the direction of the former.
+    let m = run("duration = 1.25
+        floor.friction = 0.526281982817154
+        contact.velocity_tolerance = 0.02
+        control.rate = 500
+        log.rate = 0
+        integrator.method = \"dopri5\"
+        robot = { model = \"robots/cbi/cbi.toml\", base = { rpy = [0.2, 0, 0], linear_velocity = [0, 0, -0.6264] } }");
     // The integrator; 1e-5 J with the power of friction as a function of time alone.
     assert!(m.max_energy_error_j < 1e-6, "{}", m.max_energy_error_j);
 }
@@ -103,14 +92,14 @@ fn energy_balances_where_slow_vertices_turn() {
 #[test]
 fn loads_stay_within_their_cones_where_slow_vertices_are_set_to_rest() {
     // Setting one vertex to rest turns the directions of other slow ones, and the other foot's load.
-    let m = cbi(
-        2.0,
-        0.1517853617873551,
-        "seed = 9
-        integrator = { method = \"dopri5\", relative_tolerance = 1e-4, absolute_tolerance = 1e-12 }
-        robot = { model = \"robots/cbi/cbi.toml\" }
-        force = [{ type = \"random-pushes\", links = [\"torso\"], number = 1, start = 0.2, duration = 0.4, magnitude = [61.7, 493.5], push_duration = [0.02, 0.3], direction = \"any\", profile = \"half-sine\" }]",
-    );
+    let m = run(&hard_push(
+        "cbi",
+        "",
+        "duration = 2.0
+        seed = 9
+        floor.friction = 0.1517853617873551
+        integrator = { method = \"dopri5\", relative_tolerance = 1e-4, absolute_tolerance = 1e-12 }",
+    ));
     // Rounding, relative to some 100 N.
     assert!(m.max_cone_excess < 1e-9, "{}", m.max_cone_excess);
 }

@@ -28,6 +28,25 @@ pub fn simulation(text: &str) -> Simulation {
     Simulation::new(setup).unwrap_or_else(|e| panic!("{e}"))
 }
 
+/// A case of `scenarios/studies/hard-pushes.toml`: a robot with this initial `base`, pushed once, with
+/// `more` settings.
+pub fn hard_push(robot: &str, base: &str, more: &str) -> String {
+    let (link, magnitude) = match robot {
+        "hoap2" => ("torso", [7.0, 55.9]),
+        "cbi" => ("torso", [61.7, 493.5]),
+        "quadruped" => ("body", [13.1, 105.0]),
+        other => panic!("no push for {other}"),
+    };
+    format!(
+        "contact.velocity_tolerance = 0.02
+        control.rate = 500
+        log.rate = 0
+        robot = {{ model = \"robots/{robot}/{robot}.toml\", base = {{ {base} }} }}
+        force = [{{ type = \"random-pushes\", links = [\"{link}\"], number = 1, start = 0.2, duration = 0.4, magnitude = {magnitude:?}, push_duration = [0.02, 0.3], direction = \"any\", profile = \"half-sine\" }}]
+        {more}\n"
+    )
+}
+
 /// Runs a scenario and asserts that it passes.
 pub fn run(text: &str) -> Metrics {
     finish(&mut simulation(text), &mut NullObserver)

@@ -97,3 +97,24 @@ pub(crate) fn greatest_change(p: &Problem, after: &[f64]) -> f64 {
     let change = |(s, i)| (p.vertex_motion(after, s, i) - p.soles[s].vertices[i].velocity).norm();
     p.vertex_indices().map(change).fold(0.0, f64::max)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_vertex_that_let_go_below_the_floor_can_arrive_again() {
+        let tol = Tolerances { distance: 1e-10, velocity: 0.02, acceleration: 1e-3, rest: 1e-7 };
+        let mut p = Problem::new(&[1]);
+        let mut due = |height: f64, speed: f64| {
+            let v = &mut p.soles[0].vertices[0];
+            (v.height, v.velocity) = (height, Vector3::new(0.7, 0.0, speed));
+            is_due(&p, &States::default(), &tol, |_| false)
+        };
+        // A foot of ANYmal, driven back by another that stopped.
+        assert!(due(-1.3e-8, -3e-4));
+        assert!(!due(-1.3e-8, 3e-4) && !due(1e-6, -3e-4));
+        // Far below, a slow vertex is not one that arrives.
+        assert!(!due(-1e-6, -3e-4) && due(-1e-6, -0.03));
+    }
+}

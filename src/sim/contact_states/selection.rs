@@ -42,7 +42,6 @@ impl RunState {
 
     /// Impacts, selections and velocity jumps in turn, until a selection needs no jump.
     fn choose_in_rounds(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
-        (self.plant.has_point_forces, self.plant.step_loads) = (false, None);
         let mut impacts = 0;
         for round in 1..=ROUNDS {
             // Vertices brought to rest may drive others into the floor.
@@ -68,10 +67,10 @@ impl RunState {
             if invalid && round < ROUNDS && self.resolve_jam(observer)? {
                 continue;
             }
-            if invalid && let Some(slip) = self.slow_jamming_slip(!selection.exhausted, observer)? {
-                return self.choose_states_with_rest(slip, observer);
-            }
             if invalid && !selection.exhausted {
+                if let Some(slip) = self.slow_jamming_slip(true, observer)? {
+                    return self.choose_states_with_rest(slip, observer);
+                }
                 self.plant.evaluate_free();
                 self.plant.solution.copy_from(&self.before_selection);
                 selection = self.select(true, observer)?;

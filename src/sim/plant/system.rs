@@ -447,7 +447,8 @@ impl Plant {
         }
     }
 
-    /// Residuals of the contact laws at the present state.
+    /// Residuals of the contact laws at the present state. Shares forces over soles that the last step
+    /// has turned, as the log and the next step of `one-step` read them.
     pub fn residual(&mut self) -> Residual {
         self.share_forces();
         let (p, states, solution) = (&self.problem, &self.states, &self.solution);
@@ -456,9 +457,8 @@ impl Plant {
     }
 
     /// Evaluates the residuals of the loads of a velocity-level step at the state in which it was
-    /// solved.
+    /// solved. Every method has shared its forces then.
     pub fn evaluate_step_loads(&mut self) {
-        self.share_forces();
         self.step_loads = Some(residual::loads(&self.problem, &self.states, &self.solution));
     }
 

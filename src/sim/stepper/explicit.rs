@@ -137,36 +137,10 @@ impl ExplicitStepper {
         self.directions.clone_from(&sim.plant.directions);
         let (mut event, mut located);
         loop {
-            loop {
-                sim.plant.within = t0 + 0.5 * h;
-                self.pair.attempt(&mut sim.plant, t0, h);
-                if hop.is_some_and(|_| {
-                    self.pair.shorten_located(&self.size, &layout).is_none() || h <= FIRST_HOP * (1.0 + t0)
-                }) {
-                    break;
-                }
-                // Forces that grow without bound are no jump: their steps need error control.
-                hop = None;
-                let Some(factor) = self.pair.shorten(&mut self.size, &layout, h, remaining) else { break };
-                sim.metrics.rejected_steps += 1;
-                h *= factor;
-                if !(h > SMALLEST * (1.0 + t0)) {
-                    sim.plant.unpack(t0, &self.y);
-                    sim.plant.evaluate_free();
-                    let unbounded = sim.locates_events() && sim.resolve_unbounded_force(observer)?;
-                    if unbounded || sim.locates_events() && sim.crawls(CRAWL) {
-                        // A crawling vertex has come to rest: its direction turns faster than steps
-                        // resolve.
-                        let rest = if unbounded { 0.0 } else { CRAWL };
-                        sim.choose_states_with_rest(rest, observer)?;
-                        self.fresh = true;
-                        self.restart();
-                        sim.measure_step();
-                        return Ok(());
-                    }
-                    return Err(diverged(&sim.plant, "the step size collapsed"));
-                }
-            }
+            let Some(size) = self.accept(sim, t0, h, &mut hop, remaining) else {
+                return self.resolve_collapse(sim, t0, observer);
+            };
+            h = size;
             // The last stage was evaluated at the end of the step, where the plant now is.
             self.functions.values(sim, &mut self.right);
             for _ in 0..MOST_CROSSINGS {
@@ -237,6 +211,53 @@ impl ExplicitStepper {
             sim.metrics.confirmed += 1;
         }
         self.fresh = event;
+        sim.measure_step();
+        Ok(())
+    }
+
+    /// Attempts steps, the first of size `h`, until the error of one is acceptable. Returns its size;
+    /// none if that collapses. Clears `hop` if the step needs error control.
+    fn accept(
+        &mut self,
+        sim: &mut RunState,
+        t0: f64,
+        mut h: f64,
+        hop: &mut Option<f64>,
+        remaining: f64,
+    ) -> Option<f64> {
+        let layout = sim.plant.layout;
+        loop {
+            sim.plant.within = t0 + 0.5 * h;
+            self.pair.attempt(&mut sim.plant, t0, h);
+            let is_accurate = || self.pair.shorten_located(&self.size, &layout).is_none();
+            if hop.is_some() && (h <= FIRST_HOP * (1.0 + t0) || is_accurate()) {
+                return Some(h);
+            }
+            // Forces that grow without bound are no jump.
+            *hop = None;
+            let Some(factor) = self.pair.shorten(&mut self.size, &layout, h, remaining) else { return Some(h) };
+            sim.metrics.rejected_steps += 1;
+            h *= factor;
+            if !(h > SMALLEST * (1.0 + t0)) {
+                return None;
+            }
+        }
+    }
+
+    /// Ends a force without bound, or the slip of a vertex that crawls, at the start of a step whose
+    /// size has collapsed.
+    fn resolve_collapse(&mut self, sim: &mut RunState, t0: f64, observer: &mut dyn Observer) -> Result<(), RunError> {
+        sim.plant.unpack(t0, &self.y);
+        sim.plant.evaluate_free();
+        let unbounded = sim.locates_events() && sim.resolve_unbounded_force(observer)?;
+        let ends = unbounded || sim.locates_events() && sim.crawls(CRAWL);
+        if !ends {
+            return Err(diverged(&sim.plant, "the step size collapsed"));
+        }
+        // A crawling vertex has come to rest: its direction turns faster than steps resolve.
+        sim.choose_states_with_rest(if unbounded { 0.0 } else { CRAWL }, observer)?;
+        self.fresh = true;
+        self.restart();
         sim.measure_step();
         Ok(())
     }
