@@ -139,8 +139,8 @@ metrics! {
         impulse in zero time ends each, to rest or to lift-off. The event `jam` names the sole, its normal \
         coefficient and the energy lost.";
     sliding_mode_s("sliding_mode_s"): Running, "s", Simulation,
-        "Time in sliding modes: contact states alternated faster than steps resolve, and the run advanced by \
-        velocity-level steps. Events of kind `sliding-mode` mark begin and end.";
+        "Time in sliding modes: contact states alternated faster than steps resolve, or none was found valid, and \
+        the run advanced by velocity-level steps. Events of kind `sliding-mode` mark begin and end.";
     inconsistent("inconsistent"): Count, "", Simulation,
         "Selections without a valid candidate; the least violating one was taken. 0 if every selection was valid.";
     final_base_position("final_base_position")["final_base_x", "final_base_y", "final_base_z"]: Vector, "m", Robot,

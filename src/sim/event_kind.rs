@@ -19,7 +19,7 @@ pub enum EventKind {
     Impact,
     /// Sliding ended by an impulse (Painleve).
     Jam,
-    /// A sliding mode begins or ends: contact states alternate faster than steps resolve.
+    /// A sliding mode begins or ends: contact states alternate faster than steps resolve, or none is found.
     SlidingMode,
     /// No valid contact state exists.
     Inconsistent,

@@ -10,7 +10,7 @@ use super::measure::snapshot::{self, SnapshotLog};
 use super::plant::sole_impulses::SoleImpulses;
 use super::plant::system::{Plant, load_scale};
 use super::report::{AvoidanceTime, Metrics, Observer, Outcome, SimEvent};
-use super::run::RunState;
+use super::run::{Deferral, RunState};
 use super::run_error::RunError;
 use super::saved_state::SavedState;
 use super::self_collision::SelfCollisionMonitor;
@@ -99,6 +99,7 @@ impl Simulation {
             log: SnapshotLog::new(first, setup.log_rate),
             sampler: None,
             started: false,
+            deferral: Deferral::Refused,
             velocity_level: matches!(stepper, Stepper::SemiImplicit(_)),
             corners,
             events: setup.events,

@@ -308,6 +308,24 @@ fn loads_of_fixed_steps_are_those_of_the_geometry_they_were_solved_for() {
     assert!(m.max_resultant_gap_n < 1e-9, "{}", m.max_resultant_gap_n);
 }
 
+/// CB-i, pushed, in a fixed step whose contact problem is not solved from the forces of the last step, but
+/// is from none. A program without that second start tested 2087 candidates and found none valid.
+#[test]
+fn a_fixed_step_that_cannot_start_from_the_last_forces_starts_from_none() {
+    let (m, _) = watch(&hard_push(
+        "cbi",
+        "rpy = [0, \"12 deg\", 0]",
+        "duration = 1.2
+        seed = 79
+        floor = { friction = 0.7747982538109479, rpy = [0, \"12 deg\", 0] }
+        integrator = { method = \"semi-implicit\", step = 1e-3 }",
+    ));
+    assert_eq!((m.inconsistent, m.full_searches), (0, 0));
+    assert!(m.states_tested_max <= 40, "{}", m.states_tested_max);
+    // Rounding of loads of some 1000 N.
+    assert!(m.max_cone_excess < 1e-9, "{}", m.max_cone_excess);
+}
+
 /// CB-i, pushed, slides on one vertex towards the singular point where its force grows without bound.
 /// There it lets go at once, but sliding with a great load is valid too: a program that found that again
 /// ended after 200 events at one instant.

@@ -1,6 +1,8 @@
-//! Sliding modes: states that alternate faster than steps resolve, and slow sliding that is none.
+//! Sliding modes: states that alternate faster than steps resolve, instants at which the direct search
+//! finds no state, and slow sliding that is neither.
 
 use super::support::{hard_push, watch};
+use stiction::sim::SimEvent;
 
 /// Position (m) and yaw (rad) of the base of CB-i on a slope, in a run without sliding modes, which
 /// locates 343 events (the same program with their detection removed).
@@ -96,4 +98,62 @@ fn a_slow_vertex_of_a_turning_foot_slides_on() {
     assert_eq!(m.sliding_mode_s, 0.0);
     // The integrator.
     assert!(m.max_energy_error_j < 1e-6, "{}", m.max_energy_error_j);
+}
+
+/// Instants at which the direct search finds no valid state: HOAP-2 on a slope that it slides down, 8.6 ms
+/// after its start, and a tilted landing of CB-i, at 0.4463 s. The search through all states, which has
+/// no such instants, is the reference. It tests 75 and 1463 candidates there.
+#[test]
+fn an_instant_without_a_state_moves_as_with_a_search_through_all() {
+    for (robot, base, more, searched) in [
+        (
+            "hoap2",
+            "rpy = [0, \"12 deg\", 0]",
+            "duration = 0.02
+            seed = 29
+            floor = { friction = 0.10141469338554843, rpy = [0, \"12 deg\", 0] }",
+            50,
+        ),
+        (
+            "cbi",
+            "rpy = [0.28, -0.28, 0], linear_velocity = [0, 0, -0.9905]",
+            "duration = 0.4466\nseed = 39\nfloor.friction = 0.8597910064378852",
+            1000,
+        ),
+    ] {
+        let text = hard_push(robot, base, &format!("integrator.method = \"dopri5\"\n{more}"));
+        let (m, recording) = watch(&text);
+        let (reference, _) = watch(&format!("contact.exact.search = \"paper\"\n{text}"));
+        assert!(reference.states_tested_max > searched, "the case has changed: {}", reference.states_tested_max);
+        let begins = |e: &&SimEvent| e.message.contains("no valid state near the solved contact problem");
+        assert_eq!(recording.events.iter().filter(begins).count(), 1, "{:?}", recording.events);
+        // Until the trial after 0.1 ms.
+        assert!(m.sliding_mode_s > 9e-5 && m.sliding_mode_s < 1.2e-4, "{}", m.sliding_mode_s);
+        assert_eq!((m.inconsistent, m.full_searches, reference.inconsistent), (0, 0, 0));
+        assert!(m.states_tested_max <= 40, "{}", m.states_tested_max);
+        // The integrator: CB-i with a hundredth of the tolerances ends 8e-9 m and 4e-8 rad away.
+        for (end, other) in m.final_base_position.iter().zip(reference.final_base_position) {
+            assert!((end - other).abs() < 2e-8, "{:?} {:?}", m.final_base_position, reference.final_base_position);
+        }
+        for (end, other) in m.final_base_rpy.iter().zip(reference.final_base_rpy) {
+            assert!((end - other).abs() < 1e-7, "{:?} {:?}", m.final_base_rpy, reference.final_base_rpy);
+        }
+        assert!(m.max_cone_excess < 1e-9 && m.max_tension_n < 1e-9, "{} {}", m.max_cone_excess, m.max_tension_n);
+        // The integrator.
+        assert!(m.max_energy_error_j < 1e-6, "{}", m.max_energy_error_j);
+    }
+}
+
+/// A tilted landing of HOAP-2. At 1.347 s selections and velocity jumps follow each other without end; a
+/// program that went on with the last states of eight pulled a vertex with 0.06 N.
+#[test]
+fn selections_without_end_at_an_instant_are_left_to_velocity_level_steps() {
+    let (m, recording) = watch(&hard_push(
+        "hoap2",
+        "rpy = [0.2, 0, 0], linear_velocity = [0, 0, -0.6264]",
+        "duration = 1.36\nseed = 39\nfloor.friction = 0.9367952134982294\nintegrator.method = \"dopri5\"",
+    ));
+    assert!(recording.events.iter().any(|e| e.kind == "jam" && e.time > 1.34), "the case has changed");
+    assert!(m.max_cone_excess < 1e-9 && m.max_tension_n < 1e-9, "{} {}", m.max_cone_excess, m.max_tension_n);
+    assert_eq!(m.inconsistent, 0);
 }

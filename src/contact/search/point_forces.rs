@@ -123,8 +123,6 @@ pub struct PointForces {
     is_visiting: bool,
     iterations: usize,
     residual: f64,
-    /// Whether slipping vertices have got mu_k.
-    has_slips: bool,
     is_done: bool,
 }
 
@@ -143,7 +141,6 @@ impl PointForces {
             is_visiting: false,
             iterations: 0,
             residual: 0.0,
-            has_slips: false,
             is_done: true,
         }
     }
@@ -189,7 +186,6 @@ impl PointForces {
             });
         }
         (self.is_visiting, self.iterations) = (false, 0);
-        self.has_slips = false;
         self.is_done = self.points.is_empty();
         self.residual = if self.is_done { 0.0 } else { f64::INFINITY };
         if self.is_done {
@@ -244,13 +240,11 @@ impl PointForces {
     fn let_slip(&mut self, p: &Problem) -> bool {
         let drive = self.drive();
         let mut changed = false;
-        if !std::mem::replace(&mut self.has_slips, true) {
-            for point in self.points.iter_mut().filter(|point| point.direction.is_none()) {
-                let v = &p.soles[point.sole].vertices[point.vertex];
-                if v.mu_k != v.mu_s && point.dual.xy().norm() > SLIPS * drive && point.split.z > 0.0 {
-                    point.mu = v.mu_k;
-                    changed = true;
-                }
+        for point in self.points.iter_mut().filter(|point| point.direction.is_none()) {
+            let mu_k = p.soles[point.sole].vertices[point.vertex].mu_k;
+            if point.mu != mu_k && point.dual.xy().norm() > SLIPS * drive && point.split.z > 0.0 {
+                point.mu = mu_k;
+                changed = true;
             }
         }
         changed

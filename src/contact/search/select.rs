@@ -16,8 +16,8 @@
 //! 3. near those of the same with vertices sliding whose slow normal motion is about to be settled;
 //! 4. near those of the same without vertices that leave the floor, with slow hops allowed, if any
 //!    vertex hops;
-//! 5. as the order `paper`, if [`Rules::exhaustive`]; a fixed step takes the point solution itself
-//!    instead, if it is accurate.
+//! 5. as the order `paper`, if [`Rules::exhaustive`]; a fixed step, or an impact without restitution,
+//!    takes the point solution itself instead, if it is accurate.
 //!
 //! The order `paper` is the best-first search of [Hale 2008], section III.A, without limit, from the
 //! state that continuity suggests. If the queue empties first:
@@ -307,7 +307,14 @@ impl Selector {
             return true;
         }
         self.propose(task, |v| if level == Level::Velocity { v.near } else { v.is_in_band(&tol) });
-        if self.is_found() || self.accept_at_limit(task) || level == Level::Velocity {
+        if self.is_found() {
+            return true;
+        }
+        if self.is_step_solved(task) {
+            // Its forces are within their cones, unlike those of a margin that is short.
+            return false;
+        }
+        if self.accept_at_limit(task) || level == Level::Velocity {
             return self.is_found();
         }
         if task.slide_settling(true) {

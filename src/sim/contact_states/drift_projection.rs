@@ -22,19 +22,34 @@ impl RunState {
     /// Projects velocity and position errors of the clamped soles out of the plant's state. Needs
     /// an evaluation at it.
     pub(in crate::sim) fn project_drift(&mut self) {
-        if (0..self.plant.problem.soles.len()).all(|s| self.plant.states[s].normal_rows() == 0) {
-            return;
+        if self.is_clamped() {
+            self.solve_velocity_errors();
+            let plant = &mut self.plant;
+            reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &self.projection.wrench, &mut plant.state.v);
+            self.project_position();
         }
-        self.project_velocity();
-        self.project_position();
     }
 
-    fn project_velocity(&mut self) {
+    /// The same after a step of a sliding mode, which may leave a vertex closing its gap: stopping it is
+    /// an impact, whose energy enters the balance.
+    pub(in crate::sim) fn stop_and_project_drift(&mut self) {
+        if self.is_clamped() {
+            self.solve_velocity_errors();
+            let jump = self.plant.apply_impulses(&self.projection.wrench);
+            self.energy.add_jump(jump);
+            self.project_position();
+        }
+    }
+
+    fn is_clamped(&self) -> bool {
+        (0..self.plant.problem.soles.len()).any(|s| self.plant.states[s].normal_rows() > 0)
+    }
+
+    /// Solves for the impulses that remove velocity errors, in `self.projection`.
+    fn solve_velocity_errors(&mut self) {
         let plant = &mut self.plant;
-        let p = &mut plant.problem;
-        projection::set_velocity_errors(p, &plant.reduced.velocity);
-        plant.method.respond(p, &plant.states, &mut self.projection);
-        reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &self.projection.wrench, &mut plant.state.v);
+        projection::set_velocity_errors(&mut plant.problem, &plant.reduced.velocity);
+        plant.method.respond(&plant.problem, &plant.states, &mut self.projection);
     }
 
     fn project_position(&mut self) {

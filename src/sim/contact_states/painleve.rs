@@ -4,6 +4,7 @@
 use crate::contact::hybrid::copositivity::{SlidingLoad, least_sliding_load};
 use crate::contact::hybrid::painleve;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
+use crate::contact::search::judge::Rules;
 use crate::sim::event_kind::EventKind;
 use crate::sim::report::Observer;
 use crate::sim::run::RunState;
@@ -162,7 +163,8 @@ impl RunState {
     /// The states after the jam of a load, with its impulses in `self.projection`; none if there is
     /// no jam.
     fn jam_states(&mut self, load: &SlidingLoad) -> Option<States> {
-        let (rules, forced) = (self.rules(), self.forced(self.plant.state.time));
+        let rules = Rules { exhaustive: !self.defers(), ..self.rules() };
+        let forced = self.forced(self.plant.state.time);
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
         let plant = &mut self.plant;
         let (p, method) = (&mut plant.problem, plant.method.as_mut());

@@ -11,6 +11,11 @@ const MISS: f64 = 0.1;
 const QUICK: f64 = 0.05;
 
 impl RunState {
+    /// Does a sole slide?
+    pub(in crate::sim) fn is_sliding(&self) -> bool {
+        (0..self.plant.problem.soles.len()).any(|s| self.plant.states[s].is_dynamic())
+    }
+
     /// Does a vertex slide slower than `speed`, m/s?
     pub(in crate::sim) fn crawls(&self, speed: f64) -> bool {
         self.plant.problem.soles.iter().enumerate().any(|(s, sole)| {

@@ -9,7 +9,7 @@ use crate::contact::search::judge::Rules;
 use crate::contact::search::select::Selection;
 use crate::sim::event_kind::EventKind;
 use crate::sim::report::{Observer, Outcome};
-use crate::sim::run::RunState;
+use crate::sim::run::{Deferral, RunState};
 use crate::sim::run_error::RunError;
 use nalgebra::Vector2;
 
@@ -73,6 +73,10 @@ impl RunState {
                 }
                 self.plant.evaluate_free();
                 self.plant.solution.copy_from(&self.before_selection);
+                if self.defers() {
+                    self.deferral = Deferral::Due;
+                    break;
+                }
                 selection = self.select(true, observer)?;
                 self.count(&selection);
                 invalid = !selection.consistent && !self.all_imposed(&selection.assessment);
@@ -93,6 +97,10 @@ impl RunState {
             if change <= if self.locates_events() { NO_CHANGE } else { self.tolerances.rest } {
                 break;
             }
+            if round == ROUNDS && change > self.tolerances.rest && self.defers() {
+                // The last states were chosen for other velocities.
+                self.deferral = Deferral::Due;
+            }
         }
         self.suspect = [0; MAX_SOLES];
         self.plant.evaluate();
@@ -112,12 +120,18 @@ impl RunState {
         let result = self.choose_states(observer);
         (self.plant.rest, self.tolerances.rest) = saved;
         result?;
-        if speed > saved.1 {
+        if speed > saved.1 && self.deferral != Deferral::Due {
             self.plant.evaluate_free();
             self.plant.update_directions();
             self.choose_in_rounds(observer)?;
         }
         Ok(())
+    }
+
+    /// May the choice of states be left to velocity-level steps?
+    pub(in crate::sim) fn defers(&self) -> bool {
+        let is_imposed = (0..self.plant.problem.soles.len()).any(|s| self.is_imposed(s));
+        self.deferral != Deferral::Refused && self.locates_events() && !is_imposed
     }
 
     /// Does a vertex hit the floor?

@@ -13,4 +13,4 @@ mod self_collision;
 mod state;
 
 pub(in crate::sim) use control_tick::run_tasks;
-pub use state::RunState;
+pub use state::{Deferral, RunState};

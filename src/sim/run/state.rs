@@ -27,6 +27,19 @@ use crate::sim::termination::StallGuard;
 use crate::task::TaskServer;
 use nalgebra::Vector3;
 
+/// Whether a choice of states that finds none near the solved contact problem may be left to
+/// velocity-level steps ([`crate::sim::stepper::sliding_mode`]) instead of searching all states.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Deferral {
+    /// All states are searched.
+    #[default]
+    Refused,
+    /// The stepper can take velocity-level steps from here.
+    Allowed,
+    /// The last choice found no state: the stepper must take them.
+    Due,
+}
+
 /// State of a run without its stepper.
 pub struct RunState {
     /// The robot on its floor.
@@ -55,6 +68,8 @@ pub struct RunState {
     pub residuals: ResidualMaxima,
     /// Instants for the summary.
     pub milestones: Milestones,
+    /// Whether a choice of states may be left to velocity-level steps.
+    pub deferral: Deferral,
     /// Soles that the last event brought to the limit of their load.
     pub suspect: [u8; MAX_SOLES],
     /// Positions of the vertices of each clamped sole when it was clamped, relative to the floor

@@ -15,7 +15,7 @@ use crate::integrate::Tableau;
 use crate::integrate::event_location::first_crossing;
 use crate::sim::contact_states::event_functions::StepEventFunctions;
 use crate::sim::report::Observer;
-use crate::sim::run::RunState;
+use crate::sim::run::{Deferral, RunState};
 use crate::sim::run_error::RunError;
 use crate::sim::termination::{check_finite, diverged};
 use nalgebra::Vector2;
@@ -50,6 +50,8 @@ pub struct ExplicitStepper {
     sliding_mode: SlidingMode,
     /// Have the states been chosen at the start of the next step?
     fresh: bool,
+    /// Instant at which the step size has last collapsed, s.
+    collapse: Option<f64>,
     /// Size of the next step, s, if it must step over a jump of the forces at its start.
     hop: Option<f64>,
     /// The integrator's vector.
@@ -73,6 +75,7 @@ impl ExplicitStepper {
             size,
             sliding_mode: SlidingMode::new(n),
             fresh: true,
+            collapse: None,
             hop: None,
             y: vec![0.0; n],
             dense: vec![0.0; n],
@@ -101,20 +104,25 @@ impl ExplicitStepper {
         discontinuity: Discontinuity,
         observer: &mut dyn Observer,
     ) -> Result<(), RunError> {
-        if self.sliding_mode.is_active() {
-            if discontinuity != Discontinuity::Corner && until - sim.plant.state.time >= SlidingMode::SHORTEST {
-                return self.step_in_sliding_mode(sim, until, observer);
-            }
-            self.sliding_mode.leave(sim, observer)?;
-        }
         let t0 = sim.plant.state.time;
         let layout = sim.plant.layout;
         let remaining = until - t0;
+        let suffices = remaining >= SlidingMode::SHORTEST;
+        sim.deferral = if suffices { Deferral::Allowed } else { Deferral::Refused };
+        if self.sliding_mode.is_active() && (discontinuity == Discontinuity::Corner || !suffices) {
+            self.sliding_mode.leave(sim, observer)?;
+        }
+        if self.sliding_mode.is_active() {
+            return self.step_in_sliding_mode(sim, until, observer);
+        }
         let mut hop = self.hop.take().filter(|_| discontinuity == Discontinuity::None);
         let mut h = hop.unwrap_or_else(|| self.size.next(remaining)).min(remaining);
         sim.plant.within = t0 + 0.5 * h;
         if sim.locates_events() && discontinuity == Discontinuity::Corner {
             sim.choose_states(observer)?;
+            if self.sliding_mode.begin_deferred(sim, observer)? {
+                return self.step_in_sliding_mode(sim, until, observer);
+            }
             self.fresh = true;
         }
         self.begin(sim, t0);
@@ -122,6 +130,9 @@ impl ExplicitStepper {
         let invalid = self.start.iter().any(|g| *g < 0.0) && (!self.fresh || discontinuity == Discontinuity::Tick);
         if sim.locates_events() && invalid {
             sim.choose_states(observer)?;
+            if self.sliding_mode.begin_deferred(sim, observer)? {
+                return self.step_in_sliding_mode(sim, until, observer);
+            }
             self.begin(sim, t0);
         }
         sim.measure_energy();
@@ -138,7 +149,7 @@ impl ExplicitStepper {
         let (mut event, mut located);
         loop {
             let Some(size) = self.accept(sim, t0, h, &mut hop, remaining) else {
-                return self.resolve_collapse(sim, t0, observer);
+                return self.resolve_collapse(sim, t0, until, observer);
             };
             h = size;
             // The last stage was evaluated at the end of the step, where the plant now is.
@@ -202,7 +213,7 @@ impl ExplicitStepper {
             sim.metrics.events += u64::from(sim.locates_events());
             self.functions.suspects(&self.right, &mut sim.suspect);
             sim.choose_states_with_rest(stops, observer)?;
-            if sim.locates_events() {
+            if sim.locates_events() && !self.sliding_mode.begin_deferred(sim, observer)? {
                 self.sliding_mode.record(sim, observer)?;
             }
         } else {
@@ -245,19 +256,35 @@ impl ExplicitStepper {
     }
 
     /// Ends a force without bound, or the slip of a vertex that crawls, at the start of a step whose
-    /// size has collapsed.
-    fn resolve_collapse(&mut self, sim: &mut RunState, t0: f64, observer: &mut dyn Observer) -> Result<(), RunError> {
+    /// size has collapsed. Where this is not the cause, or has not helped, velocity-level steps follow if
+    /// a sole slides.
+    fn resolve_collapse(
+        &mut self,
+        sim: &mut RunState,
+        t0: f64,
+        until: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<(), RunError> {
         sim.plant.unpack(t0, &self.y);
         sim.plant.evaluate_free();
-        let unbounded = sim.locates_events() && sim.resolve_unbounded_force(observer)?;
-        let ends = unbounded || sim.locates_events() && sim.crawls(CRAWL);
+        // An impulse that has ended the force at this instant once will not do so again.
+        let again = self.collapse.replace(t0) == Some(t0);
+        let unbounded = !again && sim.locates_events() && sim.resolve_unbounded_force(observer)?;
+        let ends = unbounded || !again && sim.locates_events() && sim.crawls(CRAWL);
         if !ends {
-            return Err(diverged(&sim.plant, "the step size collapsed"));
+            if !sim.defers() || !sim.is_sliding() {
+                return Err(diverged(&sim.plant, "the step size collapsed"));
+            }
+            sim.deferral = Deferral::Due;
+            self.restart();
+            self.sliding_mode.begin_deferred(sim, observer)?;
+            return self.step_in_sliding_mode(sim, until, observer);
         }
         // A crawling vertex has come to rest: its direction turns faster than steps resolve.
         sim.choose_states_with_rest(if unbounded { 0.0 } else { CRAWL }, observer)?;
         self.fresh = true;
         self.restart();
+        self.sliding_mode.begin_deferred(sim, observer)?;
         sim.measure_step();
         Ok(())
     }

@@ -39,10 +39,7 @@ impl SemiImplicitStepper {
     pub fn begin(&mut self, sim: &mut RunState, observer: &mut dyn Observer) -> Result<(), RunError> {
         sim.plant.within = sim.plant.state.time + 0.5 * self.dt;
         self.solve_contact(sim, self.dt, observer)?;
-        displace(sim, self.dt);
-        sim.plant.drive_reactions_over_step(&sim.displacement, self.dt);
-        sim.plant.solution.scale(1.0 / self.dt);
-        sim.plant.refresh();
+        show_forces(sim, self.dt);
         Ok(())
     }
 
@@ -124,6 +121,15 @@ pub(super) fn apply_step(sim: &mut RunState, dt: f64, end: f64) {
     plant.state.time = end;
     plant.apply_prescribed_positions();
     plant.refresh();
+}
+
+/// Turns the impulses solved for into forces over a step of size `dt`, without moving the plant.
+pub(super) fn show_forces(sim: &mut RunState, dt: f64) {
+    displace(sim, dt);
+    sim.plant.drive_reactions_over_step(&sim.displacement, dt);
+    sim.plant.solution.scale(1.0 / dt);
+    sim.plant.evaluate_step_loads();
+    sim.plant.refresh();
 }
 
 /// The change of velocity over the step: v+ - v = dt M^-1 (tau - h) + M^-1 J^T p, in

@@ -1,4 +1,5 @@
-//! Sliding modes: contact states that alternate faster than steps resolve.
+//! Sliding modes: contact states that alternate faster than steps resolve, and instants at which none
+//! is found.
 //!
 //! Several states may each drive the motion out of themselves and into the next, so that none is
 //! valid for longer than some microseconds; the motion is then a sliding mode [Filippov 1988]. It
@@ -15,20 +16,25 @@
 //!
 //! A velocity-level step is of order 1, so y is of order 2. With a local error of e = O(h^2), that of
 //! y is O(h^3), in units of the motion some |e|^(3/2). The size is chosen so that this meets the
-//! tolerances of the integrator. The energy flows are extrapolated likewise. Then the drift of
-//! clamped vertices is removed, as after every step.
+//! tolerances of the integrator. The energy flows are extrapolated likewise. A step that contains an
+//! impact misses the tolerances at any size: the shortest is then accepted with y = y2, as a
+//! combination across a jump of velocities would not conserve energy. Then the drift of clamped
+//! vertices is removed, as after every step.
+//!
+//! The run also advances so where the direct search finds no valid state at an instant, instead of
+//! searching all states: near jams, or where a vertex about which a sole turns begins to slip.
 //!
 //! After some time in the mode the states are chosen again and located events resume. If the states
 //! still alternate, the mode returns after fewer events, and stays for twice as long.
 
-use super::semi_implicit::{apply_step, evaluate_step, set_velocity_problem};
+use super::semi_implicit::{apply_step, evaluate_step, set_velocity_problem, show_forces};
 use super::step_size::StepSize;
 use crate::contact::model::state::States;
 use crate::integrate::{StepControl, error_norm};
 use crate::sim::event_kind::EventKind;
 use crate::sim::plant::StateLayout;
 use crate::sim::report::Observer;
-use crate::sim::run::RunState;
+use crate::sim::run::{Deferral, RunState};
 use crate::sim::run_error::RunError;
 use crate::sim::termination::check_finite;
 use nalgebra::Vector2;
@@ -37,9 +43,10 @@ use nalgebra::Vector2;
 const EVENTS: usize = 16;
 const EVENTS_AGAIN: usize = 6;
 /// Time between two such events, on average, s.
-const FAST: f64 = 1e-5;
-/// First and longest time in the mode before a trial, s.
+const FAST: f64 = 2e-5;
+/// First time in the mode before a trial, s; the same where no state was found; the longest.
 const FIRST_STAY: f64 = 5e-4;
+const FIRST_STAY_WITHOUT_STATE: f64 = 1e-4;
 const LONGEST_STAY: f64 = 2e-2;
 /// Size of the first velocity-level step, s.
 const FIRST_STEP: f64 = 2e-5;
@@ -58,8 +65,9 @@ pub struct SlidingMode {
     /// Time in the mode before a trial, s, and instant at which the last trial counts as passed.
     stay: f64,
     passed: f64,
-    /// Size of the next step, s.
+    /// Size of the next step, s, and its control.
     h: f64,
+    control: StepControl,
     /// The integrator's vector at the start of a step, after one step, and after two halves.
     start: Vec<f64>,
     whole: Vec<f64>,
@@ -85,6 +93,7 @@ impl SlidingMode {
             stay: FIRST_STAY,
             passed: f64::NEG_INFINITY,
             h: FIRST_STEP,
+            control: StepControl::new(2),
             start: vec![0.0; n],
             whole: vec![0.0; n],
             halves: vec![0.0; n],
@@ -119,11 +128,36 @@ impl SlidingMode {
         if 2 * distinct > needed {
             return Ok(());
         }
-        self.stay = if t < self.passed { (2.0 * self.stay).min(LONGEST_STAY) } else { FIRST_STAY };
-        (self.is_active, self.since, self.trial, self.h) = (true, t, t + self.stay, FIRST_STEP);
         let span = t - recent[needed - 1].0;
+        self.begin(t, FIRST_STAY);
         let message = format!("begins: {needed} events between {distinct} states within {span:.3e} s");
         sim.event(observer, EventKind::SlidingMode, "", &message)
+    }
+
+    /// Begins a mode if the last choice of states has found none. Returns whether it has.
+    pub fn begin_deferred(&mut self, sim: &mut RunState, observer: &mut dyn Observer) -> Result<bool, RunError> {
+        if sim.deferral != Deferral::Due {
+            return Ok(false);
+        }
+        sim.deferral = Deferral::Allowed;
+        self.begin(sim.plant.state.time, FIRST_STAY_WITHOUT_STATE);
+        sim.event(observer, EventKind::SlidingMode, "", "begins: no valid state near the solved contact problem")?;
+        // States and forces at this instant are those of a first step.
+        let states = sim.plant.states;
+        sim.plant.within = sim.plant.state.time + 0.5 * self.h;
+        evaluate_step(sim, self.h)?;
+        set_velocity_problem(sim, self.h);
+        sim.choose_unreported_impulse(observer)?;
+        show_forces(sim, self.h);
+        sim.anchor_changed(&states);
+        Ok(true)
+    }
+
+    /// Begins a mode at the time `t`. The first of several in a row lasts for `stay`.
+    fn begin(&mut self, t: f64, stay: f64) {
+        self.stay = if t < self.passed { (2.0 * self.stay).min(LONGEST_STAY) } else { stay };
+        (self.is_active, self.since, self.trial, self.h) = (true, t, t + self.stay, FIRST_STEP);
+        self.control = StepControl::new(2);
     }
 
     /// Ends the mode: chooses states for located events.
@@ -133,7 +167,9 @@ impl SlidingMode {
         self.passed = t + self.stay;
         let message = format!("ends after {:.6e} s", t - self.since);
         sim.event(observer, EventKind::SlidingMode, "", &message)?;
-        sim.choose_states(observer)
+        sim.choose_states(observer)?;
+        self.begin_deferred(sim, observer)?;
+        Ok(())
     }
 
     /// Takes one step of the mode towards `until`, with the tolerances of `size`. Returns whether
@@ -159,7 +195,8 @@ impl SlidingMode {
         let impulses = sim.plant.impulses.take();
         layout.pack(&sim.plant.state, &sim.energy.flows, &mut self.start);
         self.directions.clone_from(&sim.plant.directions);
-        let mut control = StepControl::new(2);
+        // Grows no more after a rejection.
+        let mut most = f64::INFINITY;
         let mut h = match *size {
             StepSize::Controlled { max_step, .. } => self.h.min(max_step),
             StepSize::Fixed(step) => OF_FIXED * step,
@@ -177,24 +214,29 @@ impl SlidingMode {
             self.advance(sim, 0.5 * h, t0 + h, observer)?;
             layout.pack(&sim.plant.state, &sim.energy.flows, &mut self.halves);
             let jump_of_halves = sim.energy.jump_work - jumps;
-            let factor = match *size {
+            let (error, factor) = match *size {
                 StepSize::Controlled { relative, absolute, .. } => {
-                    control.factor(self.error(relative, absolute, &layout))
+                    let error = self.error(relative, absolute, &layout);
+                    (error, self.control.factor(error).min(most))
                 }
-                StepSize::Fixed(_) => 1.0,
+                StepSize::Fixed(_) => (0.0, 1.0),
             };
-            if factor >= 1.0 || h <= Self::SHORTEST {
+            if error <= 1.0 || h <= Self::SHORTEST {
                 if h < remaining || factor < 1.0 {
                     self.h = (h * factor).max(Self::SHORTEST);
                 }
-                break 2.0 * jump_of_halves - jump_of_whole;
+                if error <= 1.0 {
+                    self.halves.iter_mut().zip(&self.whole).for_each(|(y, whole)| *y = 2.0 * *y - whole);
+                    break 2.0 * jump_of_halves - jump_of_whole;
+                }
+                break jump_of_halves;
             }
             sim.metrics.rejected_steps += 1;
+            most = 1.0;
             self.restore(sim, t0, jumps, &states);
             h = (h * factor).max(Self::SHORTEST);
         };
         sim.energy.jump_work = jumps + jump;
-        self.halves.iter_mut().zip(&self.whole).for_each(|(y, whole)| *y = 2.0 * *y - whole);
         let t1 = if h == remaining { end } else { t0 + h };
         sim.plant.unpack(t1, &self.halves);
         sim.energy.flows = layout.flows(&self.halves);
@@ -202,7 +244,7 @@ impl SlidingMode {
         check_finite(&sim.plant)?;
         sim.plant.evaluate_free();
         sim.anchor_changed(&states);
-        sim.project_drift();
+        sim.stop_and_project_drift();
         sim.plant.refresh();
         sim.plant.impulses = impulses;
         if let Some(impulses) = &mut sim.plant.impulses {

@@ -6,7 +6,7 @@ use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, States};
 use crate::contact::search::point_forces::{LEAST_SLIPS, SLIPS};
 use crate::contact::search::sliding_directions;
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 
 /// Candidates tested near each solution of the contact problem.
 const NEAR_SOLUTION: usize = 4;
@@ -17,6 +17,10 @@ const RETESTED: usize = 3;
 /// Parts of a sole's carrying vertices that are tested.
 const PARTS: usize = 8;
 
+/// Candidates tested in one selection before it is left to velocity-level steps or, in a fixed step,
+/// the point solution itself is taken.
+const MOST: usize = 32;
+
 /// Iterations of the contact problem between two readings of its states.
 const BETWEEN_READINGS: usize = 20;
 
@@ -25,6 +29,9 @@ const EARLY: usize = 4;
 
 /// Relative residual up to which the solution of a fixed step stands without a valid state.
 const SOLVED: f64 = 1e-8;
+
+/// The same without thorough tests of states.
+const CONVERGED: f64 = 1e-9;
 
 /// Relative residuals at which the solution of a contact problem is taken as it is: at once, after
 /// [`MANY`] iterations, and at all. Forces are within their cones in any case; error control sees
@@ -64,11 +71,11 @@ impl Selector {
         self.points.states(p, 0.0, slips)
     }
 
-    /// The point solution of a fixed step and its states, if it is accurate: it obeys the contact laws
-    /// at every vertex, whatever the states that tests found invalid. Impacts need a state, whose
-    /// restitution is that of the whole sole.
+    /// The point solution of a fixed step or of an impact, and its states, if it is accurate: it obeys
+    /// the contact laws at every vertex, whatever the states that tests found invalid. An impact with a
+    /// rebound needs a state, whose restitution is that of the whole sole.
     pub(super) fn point_solution(&mut self, task: &mut Task) -> Option<States> {
-        if task.p.level == Level::Acceleration || task.p.step == 0.0 || self.points.residual() > SOLVED {
+        if !self.has_point_solution(task) {
             return None;
         }
         let states = self.take_points(task.p, task.out, LEAST_SLIPS);
@@ -87,25 +94,53 @@ impl Selector {
     /// Tests the states that the solution with every vertex as a point indicates: as soon as two
     /// readings agree, then in all readings, and their neighbours.
     pub(super) fn propose(&mut self, task: &mut Task, touches: impl Fn(&Vertex) -> bool) {
-        let start = (self.last_factor > 0.0).then_some((&self.last, self.last_factor));
-        self.points.begin(task.p, |s, i| touches(&task.p.soles[s].vertices[i]), start);
-        let mut last = None;
         let mut early = 0;
-        while !self.points.is_done() && !self.is_found() {
-            self.points.advance(task.p, BETWEEN_READINGS);
-            let states = self.points.states(task.p, self.carries(), SLIPS);
-            if early < EARLY && last == Some(states) && !self.queue.iter().any(|e| e.states == states && e.guessed) {
-                early += 1;
-                self.push_solution(task, &states, true);
+        // Forces of the last solution may lead to where the iterations do not converge.
+        let from_last = self.last_factor > 0.0;
+        for from_last in [from_last, false] {
+            let start = from_last.then_some((&self.last, self.last_factor));
+            self.points.begin(task.p, |s, i| touches(&task.p.soles[s].vertices[i]), start);
+            let mut last = None;
+            while !self.points.is_done() && !self.is_found() {
+                self.points.advance(task.p, BETWEEN_READINGS);
+                let states = self.points.states(task.p, self.carries(), SLIPS);
+                let is_new = || !self.queue.iter().any(|e| e.states == states && e.guessed);
+                if early < EARLY && last == Some(states) && is_new() {
+                    early += 1;
+                    self.push_solution(task, &states, true);
+                }
+                last = Some(states);
             }
-            last = Some(states);
+            if !from_last || self.is_found() || self.points.residual() <= SOLVED {
+                break;
+            }
         }
         if !self.is_found() {
             self.read_solution(task);
         }
-        if !self.queue.is_empty() {
+        let ends = !self.is_found() && (self.has_tried_enough(task) || self.is_step_solved(task));
+        if !self.queue.is_empty() && !ends {
             self.explore(task, false, false, task.tested + NEAR_SOLUTION);
         }
+    }
+
+    /// Whether [`point_solution`](Self::point_solution) may be taken. A trial of jams wants a state.
+    fn has_point_solution(&self, task: &Task) -> bool {
+        let p = &task.p;
+        let rebounds = || p.soles.iter().any(|sole| sole.target != Vector3::zeros());
+        let posed = p.level == Level::Velocity && (p.step > 0.0 || task.rules.exhaustive && !rebounds());
+        posed && self.points.residual() <= SOLVED
+    }
+
+    /// Whether to end the tests: the run goes on without a state.
+    fn has_tried_enough(&self, task: &Task) -> bool {
+        let defers = task.p.level == Level::Acceleration && !task.rules.exhaustive;
+        task.tested >= MOST && (defers || self.has_point_solution(task))
+    }
+
+    /// Whether a fixed step has a point solution: thorough tests would cost many times what the step does.
+    pub(super) fn is_step_solved(&self, task: &Task) -> bool {
+        task.p.step > 0.0 && self.points.residual() <= CONVERGED && self.has_point_solution(task)
     }
 
     /// Least share of the greatest force with which a vertex of the solved contact problem carries.
@@ -136,6 +171,9 @@ impl Selector {
                 }
             }
         }
+        if self.is_step_solved(task) {
+            return;
+        }
         // Where only the directions were not found from the first guess, others may succeed.
         let mut lacking = self.queue.iter().filter(|e| e.brief && e.assessment.levels[..2] == [0.0; 2]);
         let lacking: [Option<States>; RETESTED] = std::array::from_fn(|_| lacking.next().map(|e| e.states));
@@ -147,7 +185,7 @@ impl Selector {
         }
         for i in (0..readings.len()).filter(new) {
             self.push_solution(task, &states[i], false);
-            if !self.is_found() {
+            if !self.is_found() && !self.has_tried_enough(task) {
                 self.complete(task, &states[i]);
             }
             if self.is_found() {
@@ -158,7 +196,7 @@ impl Selector {
 
     /// Tests states that the solved contact problem indicates, with its slips.
     fn push_solution(&mut self, task: &mut Task, states: &States, briefly: bool) {
-        if (0..task.p.soles.len()).all(|s| (task.allowed)(s, states[s])) {
+        if !self.has_tried_enough(task) && (0..task.p.soles.len()).all(|s| (task.allowed)(s, states[s])) {
             self.guess = Some(sliding_directions::slips(task.p, states, self.points.motion(task.p)));
             if briefly {
                 self.push_briefly(task, states);
