@@ -17,8 +17,8 @@ const RETESTED: usize = 3;
 /// Parts of a sole's carrying vertices that are tested.
 const PARTS: usize = 8;
 
-/// Candidates tested in one selection before it is left to velocity-level steps or, in a fixed step,
-/// the point solution itself is taken.
+/// Candidates tested in one selection before velocity-level steps follow or, in a fixed step or an
+/// impact, the point solution itself is taken.
 const MOST: usize = 32;
 
 /// Iterations of the contact problem between two readings of its states.
@@ -30,7 +30,7 @@ const EARLY: usize = 4;
 /// Relative residual up to which the solution of a fixed step stands without a valid state.
 const SOLVED: f64 = 1e-8;
 
-/// The same without thorough tests of states.
+/// The same before other first guesses and regularized modes are tried.
 const CONVERGED: f64 = 1e-9;
 
 /// Relative residuals at which the solution of a contact problem is taken as it is: at once, after
@@ -132,7 +132,7 @@ impl Selector {
         posed && self.points.residual() <= SOLVED
     }
 
-    /// Whether to end the tests: the run goes on without a state.
+    /// Whether enough candidates were tested where the run can continue without a valid state.
     fn has_tried_enough(&self, task: &Task) -> bool {
         let defers = task.p.level == Level::Acceleration && !task.rules.exhaustive;
         task.tested >= MOST && (defers || self.has_point_solution(task))
