@@ -7,6 +7,7 @@ use cli::{Arguments, Command, Exit};
 
 fn main() -> Exit {
     cli::decide_colours();
+    cli::signals::handle_file_size_limit();
     let typed = match Arguments::typed() {
         Ok(arguments) => arguments.into_command(),
         Err(exit) => return exit,
@@ -21,6 +22,7 @@ fn main() -> Exit {
         Command::Submit(submit) => submit.execute(),
         Command::Compare(compare) => compare.execute(),
         Command::Export(export) => export.execute(),
+        Command::Salvage(salvage) => salvage.execute(),
         Command::Replay(replay) => replay.execute(),
         Command::MotorServer(server) => server.execute(),
         Command::Console(console) => console.execute(),

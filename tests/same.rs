@@ -43,6 +43,7 @@ pub fn rows(table: &Table) -> Vec<Vec<(String, String)>> {
 fn record(path: &Path) -> Value {
     let mut record: Value = serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap();
     record.as_object_mut().unwrap().remove("timing").expect("a record with times");
+    record.as_object_mut().unwrap().remove("checksum").expect("a record with a checksum");
     record
 }
 
@@ -53,7 +54,7 @@ fn lines(path: &Path) -> BTreeMap<(String, String), Value> {
     let mut lines = BTreeMap::new();
     for line in text.lines() {
         let mut line: Value = serde_json::from_str(line).unwrap();
-        line.as_object_mut().unwrap().retain(|name, _| !is_time(name));
+        line.as_object_mut().unwrap().retain(|name, _| !is_time(name) && name != "checksum");
         let field = |name: &str| line[name].as_str().unwrap().to_owned();
         let previous = lines.insert((field("scenario"), field("key")), line);
         assert!(previous.is_none(), "{} has two lines for a run", path.display());

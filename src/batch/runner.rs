@@ -74,7 +74,7 @@ impl Batch {
         let resumed = if options.resume { resumed::find_results(&plan, &options) } else { Resumed::default() };
         if resumed.runs() > 0 {
             // The program may have been killed between writing a record and its line.
-            let logged = RunsLog::logged(&runs_log_path)?;
+            let logged = runs_log.logged()?;
             for index in resumed.finished.positions() {
                 if !logged.contains(plan.scenario(index), &plan.key(index)) {
                     runs_log.push(&resumed.finished.row(index, &plan, &options.output)?)?;

@@ -156,6 +156,15 @@ pub fn codes(command: &str) -> &'static Codes {
             ),
             (Exit::Unfinished, FILE),
         ],
+        "salvage" => &[
+            (Exit::Success, "written"),
+            (
+                Exit::Invalid,
+                "wrong usage, a log of which nothing can be read, or a path that cannot be written; other logs are written",
+            ),
+            (Exit::Unfinished, FILE),
+            (Exit::Nothing, "no unfinished logs in the folders"),
+        ],
         "replay" => &[
             (Exit::Success, "every run gave the same bits"),
             (Exit::Failed, "a run differs from its record or log"),

@@ -9,7 +9,7 @@ mod arguments;
 mod colour;
 mod commands;
 mod exit;
-mod signals;
+pub mod signals;
 mod terminal;
 
 use std::io::Write;
@@ -17,8 +17,8 @@ use std::io::Write;
 use clap::{Parser, Subcommand};
 
 use commands::{
-    check, compare, completions, console, export, inspect, list, man, merge, motor_server, replay, report, run, schema,
-    submit, view,
+    check, compare, completions, console, export, inspect, list, man, merge, motor_server, replay, report, run,
+    salvage, schema, submit, view,
 };
 pub use exit::Exit;
 
@@ -74,6 +74,9 @@ pub enum Command {
     /// Write a log's time series as CSV, Parquet or columns of text
     #[command(after_help = exit::help("export"))]
     Export(export::Export),
+    /// Recover the readable part of damaged or unfinished logs
+    #[command(after_help = exit::help("salvage"))]
+    Salvage(salvage::Salvage),
     /// Re-run from records and compare bit for bit
     #[command(after_help = exit::help("replay"))]
     Replay(replay::Replay),

@@ -17,6 +17,15 @@ impl FirstSignal {
     }
 }
 
+/// Turns SIGXFSZ, which would end the program, into the error of the write that exceeds the limit on
+/// file size (`ulimit -f`): it is that run's, or that file's.
+pub fn handle_file_size_limit() {
+    #[cfg(unix)]
+    if let Err(error) = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default()) {
+        complain(&format!("warning: a file above the limit on file size will end the program: {error}"));
+    }
+}
+
 /// Calls `act` on each signal. Warns of a signal that cannot be handled and so ends the program.
 pub fn on_termination_signal(act: impl Fn(Exit) + Clone + Send + 'static) -> FirstSignal {
     let first_signal = FirstSignal::default();

@@ -1,13 +1,14 @@
 //! Atomic writes: a temporary file in the same folder, renamed to its final name when complete.
 
 use crate::files::{RecordError, names};
-use std::fs::File;
+use std::fs::{File, TryLockError};
 use std::io::{BufWriter, ErrorKind, Read, Write};
 use std::path::Path;
 use tempfile::{NamedTempFile, TempPath};
 
 /// Creates a temporary file in the folder of `path`, which is created if needed; it vanishes unless
-/// [`publish`] renames it.
+/// [`publish`] renames it. While it is open it is locked, where the file system has locks, so that
+/// [`remove_partial`] keeps it.
 pub(crate) fn temporary(path: &Path) -> Result<(File, TempPath), RecordError> {
     let folder = match path.parent() {
         Some(p) if !p.as_os_str().is_empty() => p,
@@ -15,23 +16,44 @@ pub(crate) fn temporary(path: &Path) -> Result<(File, TempPath), RecordError> {
     };
     std::fs::create_dir_all(folder).map_err(RecordError::io(folder))?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    builder(&format!(".{name}.")).tempfile_in(folder).map(NamedTempFile::into_parts).map_err(RecordError::io(path))
+    let (file, temporary) = builder(&format!(".{name}."))
+        .tempfile_in(folder)
+        .map(NamedTempFile::into_parts)
+        .map_err(RecordError::io(path))?;
+    let _ = file.try_lock();
+    Ok((file, temporary))
 }
 
 /// Suffix of incomplete files.
 const PARTIAL: &str = ".partial";
 
-/// Removes incomplete files of killed programs from a folder. The caller must hold the lock of the
-/// folder. Files that cannot be removed stay.
-pub(crate) fn remove_partial(folder: &Path) {
+/// Removes incomplete files of killed programs from a folder. Files that another program is writing
+/// stay, and files that cannot be removed.
+pub fn remove_partial(folder: &Path) {
+    remove_partial_of(folder, "");
+}
+
+/// Like [`remove_partial`], for incomplete versions of files whose names begin with `name`.
+fn remove_partial_of(folder: &Path, name: &str) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        if name.starts_with('.') && name.ends_with(PARTIAL) && entry.file_type().is_ok_and(|kind| kind.is_file()) {
+        if entry.file_type().is_ok_and(|kind| kind.is_file()) && is_abandoned(&entry.path(), name) {
             let _ = std::fs::remove_file(entry.path());
         }
     }
+}
+
+/// True for an incomplete version of a file whose name begins with `name`, unless another program
+/// is writing it.
+pub(crate) fn is_abandoned(path: &Path, name: &str) -> bool {
+    let found = path.file_name().unwrap_or_default().to_string_lossy();
+    let begins = found.strip_prefix('.').is_some_and(|rest| rest.starts_with(name));
+    begins && found.ends_with(PARTIAL) && !is_locked(path)
+}
+
+/// True if another open file has the lock of this one.
+fn is_locked(path: &Path) -> bool {
+    File::open(path).is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
 }
 
 fn builder(prefix: &str) -> tempfile::Builder<'_, 'static> {
@@ -67,7 +89,7 @@ pub(crate) fn write(
     let mut out = BufWriter::new(file);
     fill(&mut out)?;
     out.flush().map_err(RecordError::io(path))?;
-    drop(out);
+    // Still open, and so locked.
     publish(partial, path)
 }
 
@@ -155,6 +177,7 @@ pub(crate) fn write_named(
     match std::fs::metadata(path) {
         Ok(about) if about.is_file() => {
             let target = path.canonicalize().map_err(RecordError::io(path))?;
+            remove_interrupted(&target);
             write(&target, fill)
         }
         Ok(about) if !about.is_dir() => {
@@ -163,7 +186,18 @@ pub(crate) fn write_named(
             fill(&mut out)?;
             out.flush().map_err(RecordError::io(path))
         }
-        _ => write(path, fill),
+        _ => {
+            remove_interrupted(path);
+            write(path, fill)
+        }
+    }
+}
+
+/// Removes what killed programs left of this file.
+fn remove_interrupted(path: &Path) {
+    if let (Some(folder), Some(name)) = (path.parent(), path.file_name()) {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        remove_partial_of(folder, &format!("{}.", name.to_string_lossy()));
     }
 }
 
@@ -249,12 +283,25 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("file.txt");
         write(&path, |_| Ok(())).unwrap();
-        let (_, unfinished) = temporary(&path).unwrap();
-        // A killed program leaves such a file.
+        let (open, unfinished) = temporary(&path).unwrap();
         let unfinished = unfinished.keep().unwrap();
         std::fs::write(folder.path().join(".hidden"), "").unwrap();
         remove_partial(folder.path());
+        assert!(unfinished.exists(), "another program is writing it");
+        // A killed program leaves such a file.
+        drop(open);
+        remove_partial(folder.path());
         assert!(!unfinished.exists() && path.exists() && folder.path().join(".hidden").exists());
+    }
+
+    #[test]
+    fn a_named_output_replaces_its_interrupted_versions() {
+        let folder = tempfile::tempdir().unwrap();
+        let (page, table) = (folder.path().join("page.html"), folder.path().join("table.csv"));
+        let abandoned = |path: &Path| temporary(path).unwrap().1.keep().unwrap();
+        let (old, other) = (abandoned(&page), abandoned(&table));
+        write_named(&page, OutputKind::Page, |_| Ok(())).unwrap();
+        assert!(!old.exists() && other.exists() && page.exists());
     }
 
     #[cfg(unix)]

@@ -1,5 +1,6 @@
 //! Reads and writes JSON files with a format version.
 
+use crate::files::checksum::{self, Layout};
 use crate::files::{RecordError, atomic};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -22,6 +23,31 @@ pub(crate) fn parse<T: DeserializeOwned>(bytes: &[u8], path: &Path, expected: u3
         return Err(RecordError::Version { path: path.to_owned(), found: schema, expected });
     }
     serde_json::from_slice(bytes).map_err(json)
+}
+
+/// Like [`parse`], for an object that [`write_checked`] wrote.
+///
+/// # Errors
+/// See [`parse`]; also, the object does not match its checksum.
+pub(crate) fn parse_checked<T: DeserializeOwned>(bytes: &[u8], path: &Path, expected: u32) -> Result<T, RecordError> {
+    let parsed = parse(bytes, path, expected)?;
+    if checksum::is_intact(bytes, Layout::Pretty) {
+        Ok(parsed)
+    } else {
+        Err(RecordError::Checksum { path: path.to_owned() })
+    }
+}
+
+/// Writes an object as indented JSON with its checksum, as [`atomic::write`].
+///
+/// # Errors
+/// The folder or file cannot be written.
+pub(crate) fn write_checked(path: &Path, value: &impl Serialize) -> Result<(), RecordError> {
+    let mut text =
+        serde_json::to_vec_pretty(value).map_err(|source| RecordError::Json { path: path.to_owned(), source })?;
+    checksum::append(&mut text, Layout::Pretty);
+    text.push(b'\n');
+    atomic::write(path, |out| out.write_all(&text).map_err(RecordError::io(path)))
 }
 
 /// Writes indented JSON with a final line break, as [`atomic::write`].

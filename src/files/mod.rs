@@ -5,12 +5,13 @@
 //! `export`, `batch`, `replay`, `view`, `submit`, `console`, `cli`.
 
 pub mod atomic;
+pub(crate) mod checksum;
 pub mod confined;
 pub mod input;
 pub(crate) mod json;
 pub mod names;
 mod record_error;
 
-pub use atomic::{OutputKind, check_replaceable};
-pub(crate) use atomic::{SESSION, if_present, remove_partial, write_named};
+pub use atomic::{OutputKind, check_replaceable, remove_partial};
+pub(crate) use atomic::{SESSION, if_present, is_abandoned, write_named};
 pub use record_error::RecordError;

@@ -1,5 +1,6 @@
 //! Errors of reading and writing files of runs and batches.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Errors of files. Each names its file.
@@ -22,6 +23,12 @@ pub enum RecordError {
         folder: PathBuf,
         /// The cause.
         source: std::io::Error,
+    },
+    /// A disk or quota is full.
+    #[error("{what}: no more runs start, because the disk or a quota is full")]
+    StorageFull {
+        /// The file that could not be written and the cause, as text.
+        what: String,
     },
     /// A link at the path of results.
     #[error(
@@ -91,6 +98,12 @@ pub enum RecordError {
         /// The cause, with line and column.
         source: serde_json::Error,
     },
+    /// A file was changed after it was written.
+    #[error("{path}: damaged: its content does not match its checksum")]
+    Checksum {
+        /// The file.
+        path: PathBuf,
+    },
     /// A record has an unknown format version.
     #[error("{path}: record format {found}, this program reads {expected}")]
     Version {
@@ -147,5 +160,16 @@ impl RecordError {
     /// Adds a path to an input or output error.
     pub(crate) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::Io { path: path.to_owned(), source }
+    }
+
+    /// True if the disk or a quota is full, so that other files cannot be written either.
+    pub fn is_storage_full(&self) -> bool {
+        let kind = match self {
+            Self::Io { source, .. } => Some(source.kind()),
+            Self::Json { source, .. } => source.io_error_kind(),
+            Self::StorageFull { .. } => return true,
+            _ => None,
+        };
+        matches!(kind, Some(ErrorKind::StorageFull | ErrorKind::QuotaExceeded))
     }
 }

@@ -5,6 +5,7 @@
 //!   foreign readers.
 //! - `write`: [`LogWriter`], an [`Observer`](crate::sim::Observer) of one run, and its topics.
 //! - `read`: [`Trajectory`] and [`Scene`], a log as series and as shapes.
+//! - [`salvage()`]: recovers the readable part of a damaged or unfinished log.
 //! - [`ProblemWriter`]: the contact problems of a run, `problems/*.json`.
 //!
 //! Imports: `files`, `robot`, `contact`, `sim`. Used by: `assemble`, `report`, `export`, `live`,
@@ -15,6 +16,7 @@ pub mod messages;
 mod problem_files;
 mod read;
 pub mod ros;
+mod salvage;
 mod topic_groups;
 mod write;
 
@@ -22,5 +24,6 @@ pub use problem_files::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWrit
 pub use read::{Attachment, JointSeries, LogDamage, LogError, LoggedEvent, Motion, PointSeries, RunInfo};
 pub use read::{EstimateSeries, Frame, JointReadings, Scene, SelfCollisionSeries, SoleReadings};
 pub use read::{SoleSeries, Trajectory, VertexSeries, read_bytes};
+pub use salvage::{SalvageError, Salvaged, salvage};
 pub use topic_groups::{ParseTopicError, TopicGroups};
 pub use write::{AttachedText, ChannelInfo, LogHeader, LogWriter, MessageSink};

@@ -35,7 +35,7 @@ pub(crate) mod verdict;
 mod verdict_table;
 
 pub use crate::metrics::{Measure, NUMERIC_COLUMNS};
-pub use discovery::{FoundRun, ListedRows, Listing, Records, SampledRuns, list_records, read_records};
+pub use discovery::{FoundRun, ListedRows, Listing, Records, SampledRuns, list_records, read_records, unfinished_logs};
 pub use junit::{JunitCase, JunitStatus, write_junit};
 pub use log_fingerprint::{LogFingerprint, LogMismatch, log_mismatch};
 pub use overview::overview;

@@ -2,6 +2,7 @@
 //! every line it wrote. The writer locks the file, and with it the folder of results; the lock ends
 //! with the process.
 
+use crate::files::checksum::{self, Layout};
 use crate::files::{RecordError, confined};
 use crate::metrics::{COLUMNS, number::Real};
 use crate::results::SummaryRow;
@@ -10,7 +11,7 @@ use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap};
 use std::collections::HashSet;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::io::{BufRead, BufReader, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::io::{BufRead, BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// An open `runs.jsonl`.
@@ -66,6 +67,7 @@ impl RunsLog {
         self.line.clear();
         serde_json::to_writer(&mut self.line, &Line(row))
             .map_err(|source| RecordError::Json { path: self.path.clone(), source })?;
+        checksum::append(&mut self.line, Layout::Line);
         self.line.push(b'\n');
         let before = self.file.metadata().map(|m| m.len());
         // One unbuffered write per line: lines of a killed program are complete or absent.
@@ -77,28 +79,48 @@ impl RunsLog {
         })
     }
 
-    /// The runs with a line; empty if the file does not exist.
+    /// The runs with an intact line. Removes damaged lines.
     ///
     /// # Errors
-    /// The file cannot be read.
-    pub fn logged(path: &Path) -> Result<LoggedRuns, RecordError> {
-        #[derive(Deserialize)]
-        struct Run {
-            scenario: String,
-            key: String,
-        }
-        let file = match File::open(path) {
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(LoggedRuns::default()),
-            file => file.map_err(RecordError::io(path))?,
-        };
-        let mut logged = LoggedRuns::default();
-        for line in BufReader::new(file).split(b'\n') {
-            // Lines that are not runs are skipped.
-            if let Ok(Run { scenario, key }) = serde_json::from_slice(&line.map_err(RecordError::io(path))?) {
-                logged.0.insert(digest(&scenario, &key));
-            }
+    /// The file cannot be read or written.
+    pub fn logged(&mut self) -> Result<LoggedRuns, RecordError> {
+        let (logged, damaged) = self.read_lines().map_err(RecordError::io(&self.path))?;
+        if damaged {
+            self.remove_damaged_lines().map_err(RecordError::io(&self.path))?;
         }
         Ok(logged)
+    }
+
+    /// The runs with an intact line, and whether other lines are damaged.
+    fn read_lines(&mut self) -> std::io::Result<(LoggedRuns, bool)> {
+        self.file.seek(SeekFrom::Start(0))?;
+        let (mut logged, mut damaged) = (LoggedRuns::default(), false);
+        for line in BufReader::new(&self.file).split(b'\n') {
+            match logged_run(&line?) {
+                Some(run) => drop(logged.0.insert(run)),
+                None => damaged = true,
+            }
+        }
+        Ok((logged, damaged))
+    }
+
+    /// Writes the intact lines to a temporary file and back. The file itself stays, with its lock.
+    fn remove_damaged_lines(&mut self) -> std::io::Result<()> {
+        let mut intact = tempfile::tempfile()?;
+        self.file.seek(SeekFrom::Start(0))?;
+        let mut out = BufWriter::new(&mut intact);
+        for line in BufReader::new(&self.file).split(b'\n') {
+            let line = line?;
+            if logged_run(&line).is_some() {
+                out.write_all(&line)?;
+                out.write_all(b"\n")?;
+            }
+        }
+        out.flush()?;
+        drop(out);
+        intact.seek(SeekFrom::Start(0))?;
+        self.file.set_len(0)?;
+        std::io::copy(&mut intact, &mut self.file).map(|_| ())
     }
 }
 
@@ -121,6 +143,17 @@ impl LoggedRuns {
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
+}
+
+/// Hash of the run of a line; none if the line is damaged.
+fn logged_run(line: &[u8]) -> Option<u64> {
+    #[derive(Deserialize)]
+    struct Run {
+        scenario: String,
+        key: String,
+    }
+    let Run { scenario, key } = serde_json::from_slice(line).ok()?;
+    checksum::is_intact(line, Layout::Line).then(|| digest(&scenario, &key))
 }
 
 fn digest(scenario: &str, key: &str) -> u64 {
@@ -147,7 +180,7 @@ fn remove_torn_line(file: &mut File) -> std::io::Result<()> {
 }
 
 /// A row as a flat object: parameters under their dotted names, as in the summary; empty cells are
-/// null.
+/// null. [`RunsLog::push`] adds the checksum.
 struct Line<'a>(&'a SummaryRow);
 
 impl Serialize for Line<'_> {

@@ -7,6 +7,7 @@ mod problems;
 mod read_log;
 mod report;
 mod run;
+mod salvage;
 pub mod sample;
 mod summary;
 mod wire;

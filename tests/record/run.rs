@@ -285,13 +285,59 @@ fn an_incomplete_last_line_is_removed() {
     let torn = format!("{{\"scenario\":\"{}", "x".repeat(10_000));
     for before in ["", "{\"scenario\":\"s\",\"key\":\"k\"}\n"] {
         std::fs::write(&path, format!("{before}{torn}")).unwrap();
-        RunsLog::append(&path).unwrap().push(&record().summary_row()).unwrap();
+        let mut log = RunsLog::append(&path).unwrap();
+        log.push(&record().summary_row()).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let rest = text.strip_prefix(before).expect("whole lines stay");
         assert_eq!(rest.lines().count(), 1);
         assert!(serde_json::from_str::<serde_json::Value>(rest).is_ok(), "{rest}");
-        assert_eq!(RunsLog::logged(&path).unwrap().len(), before.lines().count() + 1);
+        assert_eq!(log.logged().unwrap().len(), before.lines().count() + 1);
     }
+}
+
+#[test]
+fn every_changed_bit_of_a_record_is_detected() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.json");
+    record().write(&path).unwrap();
+    let whole = std::fs::read(&path).unwrap();
+    assert_eq!(RunRecord::read(&path).unwrap(), record());
+    // A change of the name of the checksum changes nothing of the record.
+    let name = whole.windows(13).rposition(|window| window == b",\n  \"checksum").unwrap();
+    let digits = name + ",\n  \"checksum\": \"".len();
+    let mut checksums = 0;
+    for at in (0..name).chain(digits..whole.len()) {
+        let mut damaged = whole.clone();
+        damaged[at] ^= 1 << (at % 8);
+        std::fs::write(&path, &damaged).unwrap();
+        let error = RunRecord::read(&path).expect_err("a damaged record");
+        checksums += usize::from(matches!(error, RecordError::Checksum { .. }));
+    }
+    assert!(checksums > whole.len() / 8, "many changes leave valid JSON: {checksums} of {}", whole.len());
+}
+
+#[test]
+fn damaged_lines_are_removed_and_their_runs_listed_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("runs.jsonl");
+    let mut log = RunsLog::append(&path).unwrap();
+    let row = |key: &str| RunRecord { key: key.into(), ..record() }.summary_row();
+    ["a", "b", "c"].iter().for_each(|key| log.push(&row(key)).unwrap());
+    let whole = std::fs::read_to_string(&path).unwrap();
+    let lines: Vec<&str> = whole.split_inclusive('\n').collect();
+    // Still a line of run `b`, with another time.
+    let damaged = lines[1].replacen("\"seed\":", "\"seed\":1", 1);
+    assert_ne!(damaged, lines[1]);
+    std::fs::write(&path, [lines[0], &damaged, lines[2]].concat()).unwrap();
+    let logged = log.logged().unwrap();
+    let scenario = record().scenario;
+    let found = ["a", "b", "c"].map(|key| logged.contains(&scenario, key));
+    assert_eq!(found, [true, false, true]);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), [lines[0], lines[2]].concat());
+    log.push(&row("b")).unwrap();
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), [lines[0], lines[2], lines[1]].concat());
+    let refused = RunsLog::append(&path).map(|_| ()).unwrap_err();
+    assert!(matches!(refused, RecordError::InUse { .. }), "the file kept its lock");
 }
 
 #[test]

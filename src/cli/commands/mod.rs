@@ -13,6 +13,7 @@ pub mod motor_server;
 pub mod replay;
 pub mod report;
 pub mod run;
+pub mod salvage;
 pub mod schema;
 pub mod submit;
 pub mod view;

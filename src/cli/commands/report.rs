@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use stiction::files::{OutputKind, RecordError, check_replaceable, names};
+use stiction::files::{OutputKind, RecordError, check_replaceable, names, remove_partial};
 use stiction::report::{Pictured, found_runs, write_report_of};
 use stiction::results::pareto::{Work, pareto_table};
 use stiction::results::{FoundRun, Listing, SampledRuns, SummaryRow, list_records, write_summary_of};
@@ -50,6 +50,7 @@ impl Report {
         complain(&format!("{} read, {} passed over", plural(read, "record"), listing.skipped.len()));
         let (selected, pictured) = self.pictured(&listing)?;
         let rows = listing.rows(&selected);
+        remove_partial(&self.results);
         let files = write_summary_of(&self.results, &rows).map_err(unwritten)?;
         let SampledRuns { statistics, runs } = rows.into_sampled();
         let (rows, reference_rows) = (summary_rows(&runs), summary_rows(&listing.references));

@@ -23,7 +23,9 @@ pub enum LogError {
         reason: &'static str,
     },
     /// The file begins as a log and ends before its index.
-    #[error("{path}: cut short: after {length} bytes the index at the end of a log is missing; was it copied whole?")]
+    #[error(
+        "{path}: cut short: after {length} bytes the index at the end of a log is missing; was it copied whole? `runner salvage` recovers what can be read"
+    )]
     Truncated {
         /// The log.
         path: PathBuf,
@@ -31,7 +33,7 @@ pub enum LogError {
         length: usize,
     },
     /// A record contradicts its checksum, its length or other records.
-    #[error("{path}: damaged: {damage}")]
+    #[error("{path}: damaged: {damage}; `runner salvage` recovers what can be read")]
     Damaged {
         /// The log.
         path: PathBuf,

@@ -51,14 +51,9 @@ impl<'a> LogFile<'a> {
         let Some(mut run) = self.table("run")? else {
             return Err(LogError::Foreign { path: self.path.to_owned(), reason: "it has no metadata table `run`" });
         };
-        let mut entry = |key: &'static str| run.remove(key).ok_or_else(|| self.damage(LogDamage::RunEntry(key)));
-        Ok(RunInfo {
-            scenario: entry("scenario")?,
-            key: entry("key")?,
-            method: entry("method")?,
-            program: entry("program")?,
-            robot: entry("robot")?,
-        })
+        let entry = |key: &'static str| run.remove(key).ok_or_else(|| self.damage(LogDamage::RunEntry(key)));
+        let [scenario, key, method, program, robot] = RUN_ENTRIES.map(entry);
+        Ok(RunInfo { scenario: scenario?, key: key?, method: method?, program: program?, robot: robot? })
     }
 
     /// True if the run ended by itself and the log was closed then.
@@ -104,11 +99,14 @@ impl<'a> LogFile<'a> {
     }
 }
 
+/// Entries of the metadata table `run`.
+pub(in crate::log) const RUN_ENTRIES: [&str; 5] = ["scenario", "key", "method", "program", "robot"];
+
 /// Longest record of a log, bytes, unless the file itself is longer. In a compressed chunk only the
 /// record itself states its length.
-const MAX_RECORD: usize = 256 << 20;
+pub(in crate::log) const MAX_RECORD: usize = 256 << 20;
 /// Largest ratio of the length of all records to that of the file.
-const MAX_GROWTH: usize = 1000;
+pub(in crate::log) const MAX_GROWTH: usize = 1000;
 
 /// Reads all records once, those in chunks included, and verifies their checksums, with those of
 /// index and metadata: the checksums of messages alone do not protect names and offsets. The limits

@@ -36,16 +36,21 @@ pub(super) struct Channel {
     sequence: u32,
 }
 
+/// Options of all logs.
+pub(in crate::log) fn log_options() -> WriteOptions {
+    // For a 25-joint robot, level 1 leaves 3.4 kB a tick (LZ4 4.0, none 9.0) for 3 us more than
+    // LZ4. Runs already occupy every core, so the log has no threads.
+    WriteOptions::new()
+        .library(concat!("stiction ", env!("CARGO_PKG_VERSION")))
+        .compression(Some(Compression::Zstd))
+        .compression_level(1)
+        .compression_threads(0)
+}
+
 impl LogFile {
     fn create(path: &Path) -> Result<Self, RecordError> {
         let (file, temporary) = atomic::temporary(path)?;
-        let writer = WriteOptions::new()
-            .library(concat!("stiction ", env!("CARGO_PKG_VERSION")))
-            // For a 25-joint robot, level 1 leaves 3.4 kB a tick (LZ4 4.0, none 9.0) for 3 us more
-            // than LZ4. Runs already occupy every core, so the log has no threads.
-            .compression(Some(Compression::Zstd))
-            .compression_level(1)
-            .compression_threads(0)
+        let writer = log_options()
             .create(BufWriter::new(file))
             .map_err(|source| RecordError::Log { path: path.to_owned(), source })?;
         Ok(Self { path: path.to_owned(), writer, temporary })
@@ -202,7 +207,7 @@ impl LogOutput {
         file.writer.finish().map_err(failure(&file.path))?;
         let mut written = file.writer.into_inner();
         written.flush().map_err(RecordError::io(&file.path))?;
-        drop(written);
+        // Still open, and so locked.
         atomic::publish(file.temporary, &file.path)
     }
 }

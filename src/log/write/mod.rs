@@ -26,5 +26,6 @@ mod state_topics;
 mod topic;
 
 pub use log_header::{AttachedText, LogHeader};
+pub(in crate::log) use log_output::log_options;
 pub use log_writer::LogWriter;
 pub use message_sink::{ChannelInfo, MessageSink};

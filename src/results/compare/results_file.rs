@@ -10,6 +10,7 @@ use polars_io::csv::read::CsvReadOptions;
 use polars_io::parquet::read::ParquetReader;
 use serde_json::{Map, Value};
 
+use crate::files::checksum::{self, Layout};
 use crate::files::names::SUMMARIES;
 use crate::results::compare::tolerance::is_measured;
 use crate::results::is_truth;
@@ -63,6 +64,12 @@ pub enum ResultsErrorCause {
     /// A damaged table.
     #[error(transparent)]
     Table(#[from] PolarsError),
+    /// A line that was changed after it was written.
+    #[error("line {line}: damaged: its content does not match its checksum; `--resume` writes it again")]
+    Damaged {
+        /// Its number, from 1.
+        line: usize,
+    },
     /// A line that is not a JSON object.
     #[error("line {line}: {error}")]
     Line {
@@ -170,8 +177,11 @@ fn lines(path: &Path) -> ReadRows {
             Err(_) if number + 1 == count && !text.ends_with('\n') => continue,
             Err(error) => return Err(ResultsErrorCause::Line { line: number + 1, error }),
         };
+        if !checksum::is_intact(line.as_bytes(), Layout::Line) {
+            return Err(ResultsErrorCause::Damaged { line: number + 1 });
+        }
         let mut row = ResultRow::default();
-        for (name, value) in object {
+        for (name, value) in object.into_iter().filter(|(name, _)| name != checksum::MEMBER) {
             if !columns.contains(&name) {
                 columns.push(name.clone());
             }

@@ -5,6 +5,8 @@
 mod listing;
 mod records;
 mod run_order;
+mod unfinished_logs;
 
 pub use listing::{ListedRows, Listing, SampledRuns, list_records};
 pub use records::{FoundRun, Records, read_records};
+pub use unfinished_logs::unfinished_logs;

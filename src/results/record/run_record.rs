@@ -133,15 +133,15 @@ impl RunRecord {
     /// # Errors
     /// The folder or file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), RecordError> {
-        json::write_pretty(path, self)
+        json::write_checked(path, self)
     }
 
     /// Reads a record back.
     ///
     /// # Errors
-    /// No such file, no valid JSON, a missing field, or another format version.
+    /// No such file, no valid JSON, a missing field, another format version, or a wrong checksum.
     pub fn read(path: &Path) -> Result<Self, RecordError> {
-        json::parse(&input::read(path, MOST_DATA).map_err(RecordError::io(path))?, path, RUN_SCHEMA)
+        json::parse_checked(&input::read(path, MOST_DATA).map_err(RecordError::io(path))?, path, RUN_SCHEMA)
     }
 
     /// The run's row in the summary.
