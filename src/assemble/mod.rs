@@ -7,6 +7,7 @@
 mod balance;
 mod events;
 mod forces;
+pub mod log_size;
 mod mocap;
 mod model;
 mod names;
@@ -65,6 +66,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     pairing::check(run, &mut errors);
     pairing::check_soles(run, &model, &mut errors);
     check_facets(run, &model, &mut errors);
+    log_size::check(run, &model, &mut errors);
     // Errors at the start would be reported again for each event.
     let (events, saved_states) =
         if errors.is_empty() { events::changes(run, robot, &model, &mut errors) } else { Default::default() };

@@ -38,7 +38,7 @@ pub use message::{
 pub use options::Options;
 pub use plan::batch_plan::{Job, Plan, Role};
 pub use plan::finding::{Finding, Findings};
-pub use plan::planner::{prepare, prepare_file};
+pub use plan::planner::{DEFAULT_TIME_LIMIT, prepare, prepare_file, prepare_within};
 pub use plan::shard::{Part, Shard, ShardError};
 pub use report::{Finished, Report};
 pub use resume::resumed::{Rerun, Resumed};

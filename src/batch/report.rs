@@ -18,6 +18,8 @@ pub struct Finished {
     /// True if it ended as expected: `passed`, `fallen` with every expectation held, or in the way
     /// that an expectation names.
     pub accepted: bool,
+    /// True if one of its files could not be written because the disk or a quota is full.
+    pub storage_full: bool,
 }
 
 impl Finished {

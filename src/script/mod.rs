@@ -19,7 +19,7 @@ pub mod script_task;
 
 pub use convert::{ForceEntry, RobotNames};
 pub(crate) use interruption::flag as interruption_flag;
-pub use interruption::interruptible;
+pub use interruption::{interruptible, time_limited};
 pub use sandbox::{BUDGET, BYTES, MEMORY};
 pub use script_error::ScriptError;
 

@@ -110,12 +110,12 @@ impl Sandbox {
     /// Makes the libraries read-only and sets the limits.
     pub fn close(&self) -> Result<(), ScriptError> {
         self.count().map_err(|e| self.error(&e))?;
-        let (meter, file, stop) = (self.meter.clone(), self.file.clone(), interruption::flag());
+        let (meter, file, interruption) = (self.meter.clone(), self.file.clone(), interruption::current());
         let sandboxed = self.lua.sandbox(true).and_then(|()| self.lua.set_memory_limit(2 * MEMORY));
         sandboxed.map_err(|e| self.error(&e))?;
         self.lua.set_interrupt(move |lua| {
-            if stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed)) {
-                return Err(mlua::Error::RuntimeError("interrupted".into()));
+            if let Some(reason) = interruption.reason() {
+                return Err(mlua::Error::RuntimeError(reason));
             }
             let mut memory = lua.used_memory();
             if memory > MEMORY && memory > meter.live.load(Ordering::Relaxed) / 2 * 3 {

@@ -17,7 +17,7 @@
 //! `assemble` builds a [`Setup`] from a scenario; library users fill one. Does not access files or
 //! logs.
 //!
-//! Imports: `geometry`, `integrate`, `random`, `metrics`, `robot`, `dynamics`, `contact`,
+//! Imports: `text`, `geometry`, `integrate`, `random`, `metrics`, `robot`, `dynamics`, `contact`,
 //! `collision`, `task`, `force`. Used by: `log`, `assemble`, `results`, `report`, `remote`,
 //! `batch`, `replay`, `console`, `api`, `cli`.
 

@@ -226,6 +226,11 @@ impl ObserverError {
     pub fn new(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
         ObserverError(error.into())
     }
+
+    /// The error of the observer, if it is of this type.
+    pub fn downcast_ref<E: std::error::Error + 'static>(&self) -> Option<&E> {
+        self.0.downcast_ref()
+    }
 }
 
 /// Receives the output of a run while it runs. `Err` ends the run with outcome `error` and the

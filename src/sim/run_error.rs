@@ -1,6 +1,7 @@
 //! Errors that end a run early.
 
 use super::report::Outcome;
+use crate::text::length_limit::limit_length;
 use std::fmt::Display;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -15,9 +16,9 @@ pub struct RunError {
 }
 
 impl RunError {
-    /// An early end with this outcome.
+    /// An early end with this outcome. A long message is [shortened](limit_length).
     pub fn new(outcome: Outcome, message: impl Into<String>) -> Self {
-        RunError { outcome, message: message.into() }
+        RunError { outcome, message: limit_length(message.into()) }
     }
 
     /// An early end with outcome `error`.

@@ -25,6 +25,7 @@ use crate::contact::model::solution::Solution;
 use crate::contact::model::state::MAX_SOLES;
 use crate::integrate::StepControl;
 use crate::robot::Model;
+use crate::text::length_limit::limit_length;
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -302,7 +303,12 @@ fn notify_forces(run: &mut RunState, observer: &mut dyn Observer) -> Result<(), 
     let time = run.plant.state.time;
     let mut failure = None;
     run.plant.pass_forces(&mut |kind, subject, message| {
-        let event = SimEvent { time, kind: EventKind::Force(kind), subject: subject.to_string(), message };
+        let event = SimEvent {
+            time,
+            kind: EventKind::Force(kind),
+            subject: subject.to_string(),
+            message: limit_length(message),
+        };
         failure = failure.take().or(observer.event(&event).err());
     });
     failure.map_or(Ok(()), |e| Err(RunError::internal(e)))

@@ -8,14 +8,16 @@
 //! - `angle`: numbers such as `"30 deg"`; `pattern`: names with `*` and `?`; `suggest`: "did you
 //!   mean".
 //! - `visible`: escapes control characters in names; `plural`: counts with nouns.
+//! - `length_limit`: cuts the middle out of long messages.
 //! - `text_table`: tables for terminals; `quantity`: numeric fields with ranges and units.
 //!
 //! Imports: nothing of this crate. Used by: `robot`, `motion`, `contact`, `script`, `scenario`,
-//! `assemble`, `results`, `report`, `export`, `batch`, `console`, `cli`.
+//! `sim`, `assemble`, `results`, `report`, `export`, `batch`, `console`, `cli`.
 
 pub mod angle;
 pub mod diagnostic;
 pub(crate) mod excerpt;
+pub mod length_limit;
 pub(crate) mod pattern;
 pub mod plural;
 pub mod quantity;

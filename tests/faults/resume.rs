@@ -173,14 +173,14 @@ fn timed_out_runs_are_rerun_and_failed_runs_are_not() {
     // The first run ends before the required duration, the third exceeds the time limit.
     place.block(
         "s.toml",
-        "[log]\nrate = 1\n[[expect]]\nmetric = \"duration_s\"\nmin = 0.1\n[sweep.grid]\nduration = [0.05, 0.1, 1e9]\n",
+        "[log]\nrate = 1\n[[expect]]\nmetric = \"duration_s\"\nmin = 0.1\n[sweep.grid]\nduration = [0.05, 0.1, 1e8]\n",
     );
     place.runner(&["s.toml", "--timeout", "1", "-j", "1"]).exits(3);
     assert_eq!(place.summary("results").column("outcome"), ["failed", "passed", "timed-out"]);
     let key = place.summary("results").column("key")[2].to_owned();
     assert!(place.path("results/s").join(&key).join("log.mcap").is_file(), "an unfinished run keeps its log");
     let done = resume(&place, &["s.toml", "--timeout", "1", "-j", "1"]).exits(3);
-    assert_eq!(rerun_reason(&done), "1 run again: it ended as `timed-out`, s duration=1000000000.0");
+    assert_eq!(rerun_reason(&done), "1 run again: it ended as `timed-out`, s duration=100000000.0");
     assert!(done.stderr.contains("resumed: 2 runs done already"), "{}", done.stderr);
     // A failed expectation would fail again, so the run is reused. The exit code is still 1.
     let done = resume(&place, &["s.toml", "--set", "duration=0.05"]).exits(1);

@@ -174,7 +174,10 @@ impl<'a> Dispatcher<'a> {
             self.gate.close();
             self.failure.get_or_insert(error);
         }
-        if finished.row.outcome == Outcome::Error
+        if finished.storage_full {
+            self.gate.close();
+            self.failure.get_or_insert(RecordError::StorageFull { what: finished.row.message.clone() });
+        } else if finished.row.outcome == Outcome::Error
             && let Err(source) = writable(&self.options.output)
         {
             // Further runs would fail in the same way.

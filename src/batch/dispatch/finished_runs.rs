@@ -83,7 +83,7 @@ impl Store {
         let path = job.folder(output).join(names::RUN_RECORD);
         let record = RunRecord::read(&path)?;
         let row = record.summary_row();
-        Ok(Finished { files: vec![path], notes: record.notes, accepted: !row.is_refused(), row })
+        Ok(Finished { files: vec![path], notes: record.notes, accepted: !row.is_refused(), row, storage_full: false })
     }
 
     /// The runs in memory, in the order of the plan.

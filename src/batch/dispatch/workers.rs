@@ -45,8 +45,12 @@ pub(in crate::batch) fn work(
             let (finished, trajectory) = job_run::run(&job, options, &cancellation, body, against.as_ref());
             guard.result = Some(trajectory);
             drop(guard);
+            if finished.storage_full {
+                // Closed here: the dispatcher would be too late for this thread's next job.
+                gate.close();
+            }
             if !finished.accepted {
-                // Counted here: the dispatcher would be too late for this thread's next job.
+                // Counted here for the same reason.
                 gate.count_failure(options.max_fail);
             }
             let _ = events.send(Event::Finished { work, finished: Box::new(finished) });

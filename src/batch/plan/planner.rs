@@ -3,8 +3,9 @@
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
-use crate::assemble::setup;
+use crate::assemble::{log_size, setup};
 use crate::batch::plan::batch_plan::{NONE, Plan, Source, Ticket, Traits};
 use crate::batch::plan::robot_cache::Robots;
 use crate::batch::plan::run_key;
@@ -13,9 +14,13 @@ use crate::files::input;
 use crate::files::names::BATCH_FILES;
 use crate::robot::{Robot, RobotError};
 use crate::scenario::{self, Diagnostic, Diagnostics, Expansion, Run, ScenarioFile, Severity};
+use crate::script::time_limited;
 
 /// Number of errors after which checking stops.
 const MAX_ERRORS: usize = 50;
+
+/// Wall-clock time after which the scripts of a run must be ready.
+pub const DEFAULT_TIME_LIMIT: Duration = Duration::from_secs(60);
 
 /// Loads scenario files and robots, expands every sweep and checks each run's setup by building it.
 ///
@@ -28,7 +33,20 @@ pub fn prepare(
     overrides: &[(String, toml::Value)],
     max_runs: usize,
 ) -> Result<(Plan, Findings), Findings> {
-    let mut planner = Planner { max_runs, ..Planner::default() };
+    prepare_within(files, overrides, max_runs, DEFAULT_TIME_LIMIT)
+}
+
+/// Like [`prepare`]; the scripts of a run must be ready within `time_limit` of wall-clock time.
+///
+/// # Errors
+/// See [`prepare`].
+pub fn prepare_within(
+    files: &[PathBuf],
+    overrides: &[(String, toml::Value)],
+    max_runs: usize,
+    time_limit: Duration,
+) -> Result<(Plan, Findings), Findings> {
+    let mut planner = Planner { max_runs, time_limit, ..Planner::default() };
     let files = distinct(files);
     for path in &files {
         planner.add(path, overrides);
@@ -44,7 +62,8 @@ pub fn prepare(
 /// # Errors
 /// See [`prepare`].
 pub fn prepare_file(file: &ScenarioFile) -> Result<(Plan, Findings), Findings> {
-    let mut planner = Planner { max_runs: scenario::DEFAULT_MAX_RUNS, ..Planner::default() };
+    let (max_runs, time_limit) = (scenario::DEFAULT_MAX_RUNS, DEFAULT_TIME_LIMIT);
+    let mut planner = Planner { max_runs, time_limit, ..Planner::default() };
     planner.add_file(file, &[]);
     planner.plan(vec![file.path.clone()])
 }
@@ -64,6 +83,8 @@ struct Planner {
     sources: Vec<Arc<Source>>,
     findings: Findings,
     max_runs: usize,
+    /// Wall-clock limit of building one setup.
+    time_limit: Duration,
     /// Files by scenario name; a name is also a folder of the results.
     names: HashMap<String, PathBuf>,
     /// Files already checked for symbolic links.
@@ -216,8 +237,13 @@ impl Planner {
 
     /// Builds a run's setup to check it.
     fn build(&mut self, run: &Run, robot: &Robot) -> Option<Shape> {
-        match setup(run, robot) {
-            Ok(setup) => Some((setup.model.nj(), setup.model.soles.len())),
+        match time_limited(self.time_limit, || setup(run, robot)) {
+            Ok(setup) => {
+                if let Some(warning) = log_size::warning(run, &setup) {
+                    self.findings.push(Finding::Scenario(Box::new(warning)));
+                }
+                Some((setup.model.nj(), setup.model.soles.len()))
+            }
             Err(errors) => {
                 self.findings.extend(errors);
                 None

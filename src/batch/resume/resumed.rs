@@ -188,7 +188,7 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
     }
     let files = [path, log, problems].into_iter().filter(|file| file.exists()).collect();
     let other_build = record.timing.build.is_some_and(|build| build != BUILD);
-    let finished = Finished { files, notes: record.notes, accepted: !row.is_refused(), row };
+    let finished = Finished { files, notes: record.notes, accepted: !row.is_refused(), row, storage_full: false };
     State::Done { finished: Box::new(finished), other_build }
 }
 

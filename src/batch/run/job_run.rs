@@ -14,6 +14,7 @@ use crate::files::{confined, names, remove_partial};
 use crate::results::{LogFingerprint, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError, metric};
 use crate::script::interruptible;
 use crate::sim::{Metrics, Outcome, Problems, RunError};
+use crate::text::length_limit::limit_length;
 use crate::text::plural::plural;
 
 /// Runs a job: simulates, compares, evaluates, writes `run.json` last. Every failure becomes the
@@ -47,7 +48,8 @@ pub(in crate::batch) fn run(
         end.message = format!("not at its end after {limit} s of wall-clock time");
     }
     let trajectory = take_trajectory(&mut end);
-    let mut notes = end.notes.clone();
+    let mut notes: Vec<_> = std::mem::take(&mut end.notes).into_iter().map(limit_length).collect();
+    let mut storage_full = end.storage_full;
     let mut record = record(job, end, timing);
     record.comparison.reference = against.map(|a| a.key.clone());
     let gap = against.and_then(|a| not_compared(&record, a));
@@ -65,10 +67,11 @@ pub(in crate::batch) fn run(
     let path = folder.join(names::RUN_RECORD);
     let written = [outputs.log, outputs.problems.map(|p| p.0)].into_iter().flatten().filter(|file| file.exists());
     let finished = match confined.and_then(|()| record.write(&path)) {
-        Ok(()) => Finished { files: [path].into_iter().chain(written).collect(), notes, row, accepted },
+        Ok(()) => Finished { files: [path].into_iter().chain(written).collect(), notes, row, accepted, storage_full },
         Err(error) => {
+            storage_full |= error.is_storage_full();
             (record.outcome, record.message) = (Outcome::Error, error.to_string());
-            Finished { files: written.collect(), notes, row: record.summary_row(), accepted: false }
+            Finished { files: written.collect(), notes, row: record.summary_row(), accepted: false, storage_full }
         }
     };
     (finished, trajectory)
@@ -140,7 +143,7 @@ fn record(job: &Job, end: RunEnd, timing: Timing) -> RunRecord {
         scenario: job.run.name.clone(),
         key: job.key.clone(),
         outcome: end.outcome,
-        message: end.message,
+        message: limit_length(end.message),
         method: scenario.contact.method.name().to_owned(),
         integrator: scenario.integrator.method.name().to_owned(),
         seed: scenario.seed,
@@ -148,7 +151,7 @@ fn record(job: &Job, end: RunEnd, timing: Timing) -> RunRecord {
         verdicts: Vec::new(),
         metrics: end.metrics.unwrap_or_default(),
         comparison: end.comparison,
-        notes: end.notes,
+        notes: Vec::new(),
         program: PROGRAM.to_owned(),
         inputs: input_hashes(job),
         resolved: job.run.resolved_toml.clone(),

@@ -88,7 +88,7 @@ fn drive(
     };
     let recorder = match Recorder::open(job, outputs, &setup, (clients, cancel)) {
         Ok(recorder) => recorder,
-        Err(error) => return RunEnd::error(error.to_string()),
+        Err(error) => return RunEnd::of_unwritten(&error),
     };
     if let Some(clients) = clients {
         clients.wait(cancel);
@@ -106,6 +106,8 @@ struct Recorder<'a> {
     pacer: Option<Pacer>,
     cancel: &'a AtomicBool,
     problems: Option<ProblemWriter>,
+    /// A file could not be written because the disk or a quota is full.
+    storage_full: bool,
     trajectory: Option<ReferenceMotion>,
     comparator: Option<Comparator>,
 }
@@ -133,19 +135,36 @@ impl<'a> Recorder<'a> {
                 .transpose()?,
             pacer: clients.and_then(LiveClients::pace).map(Pacer::new),
             cancel,
+            storage_full: false,
             problems: outputs.problems.as_ref().map(problems).transpose()?,
+        })
+    }
+}
+
+impl Recorder<'_> {
+    /// Fails once the run is cancelled: a step may contain any number of logged instants.
+    fn check_cancelled(&self) -> Result<(), ObserverError> {
+        if self.cancel.load(Ordering::Relaxed) { Err(ObserverError::new("interrupted")) } else { Ok(()) }
+    }
+
+    fn note_failure(&mut self, written: Result<(), ObserverError>) -> Result<(), ObserverError> {
+        written.inspect_err(|error| {
+            self.storage_full |= error.downcast_ref().is_some_and(RecordError::is_storage_full);
         })
     }
 }
 
 impl Observer for Recorder<'_> {
     fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), ObserverError> {
+        self.check_cancelled()?;
         self.pacer.iter_mut().for_each(|pacer| pacer.wait(snapshot.time, self.cancel));
-        self.log.as_mut().map_or(Ok(()), |log| log.snapshot(snapshot))
+        let written = self.log.as_mut().map_or(Ok(()), |log| log.snapshot(snapshot));
+        self.note_failure(written)
     }
 
     fn event(&mut self, event: &SimEvent) -> Result<(), ObserverError> {
-        self.log.as_mut().map_or(Ok(()), |log| log.event(event))
+        let written = self.log.as_mut().map_or(Ok(()), |log| log.event(event));
+        self.note_failure(written)
     }
 
     fn sample_rate(&self) -> f64 {
@@ -154,6 +173,7 @@ impl Observer for Recorder<'_> {
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), ObserverError> {
+        self.check_cancelled()?;
         self.trajectory.iter_mut().for_each(|trajectory| trajectory.push(sample));
         self.comparator.iter_mut().for_each(|comparator| comparator.take(sample));
         Ok(())
@@ -164,7 +184,8 @@ impl Observer for Recorder<'_> {
     }
 
     fn problem(&mut self, record: &SelectionRecord) -> Result<(), ObserverError> {
-        self.problems.as_mut().map_or(Ok(()), |p| p.write(record).map_err(ObserverError::new))
+        let written = self.problems.as_mut().map_or(Ok(()), |p| p.write(record).map_err(ObserverError::new));
+        self.note_failure(written)
     }
 }
 
@@ -184,13 +205,16 @@ fn drive_recorded(
     end.notes.extend(recorder.problems.and_then(|p| p.summary()));
     end.comparison = recorder.comparator.map(|c| c.comparison()).unwrap_or_default();
     end.trajectory = recorder.trajectory;
+    end.storage_full = recorder.storage_full;
     // When cancelled, dropping the writer leaves a log marked as incomplete.
     let log = recorder.log.filter(|_| end.outcome != Outcome::Cancelled);
     match log.map_or(Ok(()), LogWriter::finish) {
         Ok(()) => end,
         // The first error is reported: nothing could be written after it.
         Err(_) if end.outcome == Outcome::Error => end,
-        Err(error) => RunEnd { outcome: Outcome::Error, message: error.to_string(), ..end },
+        Err(error) => {
+            RunEnd { outcome: Outcome::Error, message: error.to_string(), storage_full: error.is_storage_full(), ..end }
+        }
     }
 }
 

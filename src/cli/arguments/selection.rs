@@ -2,6 +2,7 @@
 
 use std::num::NonZero;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Args, ValueHint};
 use stiction::batch::{self, DiagnosticMessage, Filter, Finding, Findings, Message, Plan, Severity, Shard, ShardError};
@@ -84,7 +85,12 @@ impl ShardArgument {
 impl Scenarios {
     /// Loads, expands and checks everything; reports findings, at most `notes` notes of them.
     pub fn prepare(&self, notes: usize, format: MessageFormat) -> Result<Plan, Exit> {
-        let mut plan = self.selection.prepare(notes, format)?;
+        self.prepare_within(notes, format, batch::DEFAULT_TIME_LIMIT)
+    }
+
+    /// Like [`Scenarios::prepare`], with a wall-clock limit for the scripts of each run.
+    pub fn prepare_within(&self, notes: usize, format: MessageFormat, time_limit: Duration) -> Result<Plan, Exit> {
+        let mut plan = self.selection.prepare_within(notes, format, time_limit)?;
         if let Some(ShardArgument { shard, by_array }) = self.shard {
             let all = plan.runs();
             plan.take_shard(shard);
@@ -113,6 +119,10 @@ pub fn only(plan: &Plan) -> Result<(), Exit> {
 impl Selection {
     /// Like [`Scenarios::prepare`], for all shards.
     pub fn prepare(&self, notes: usize, format: MessageFormat) -> Result<Plan, Exit> {
+        self.prepare_within(notes, format, batch::DEFAULT_TIME_LIMIT)
+    }
+
+    fn prepare_within(&self, notes: usize, format: MessageFormat, time_limit: Duration) -> Result<Plan, Exit> {
         let report = |findings: &Findings| {
             terminal::show(findings, Severity::Note, notes);
             format.emit_findings(findings)
@@ -139,7 +149,7 @@ impl Selection {
             }
         };
         let overrides: Vec<_> = self.overrides.iter().map(|o| o.value.clone()).collect();
-        let (mut plan, findings) = match batch::prepare(&files, &overrides, self.max_runs.get()) {
+        let (mut plan, findings) = match batch::prepare_within(&files, &overrides, self.max_runs.get(), time_limit) {
             Ok(prepared) => prepared,
             Err(findings) => {
                 report(&findings)?;

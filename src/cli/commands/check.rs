@@ -1,11 +1,14 @@
 //! `runner check`: validates scenarios without simulating them.
 
+use std::time::Duration;
+
 use clap::Args;
 use stiction::batch::{CheckFinished, Message, Plan};
 use stiction::text::visible::visible_path;
 
 use crate::cli::Exit;
 use crate::cli::arguments::message_format::{Format, MessageFormat};
+use crate::cli::arguments::numbers;
 use crate::cli::arguments::selection::Scenarios;
 use crate::cli::terminal::{counted, plural, print};
 
@@ -14,6 +17,9 @@ use crate::cli::terminal::{counted, plural, print};
 pub struct Check {
     #[command(flatten)]
     scenarios: Scenarios,
+    /// Wall-clock limit for the scripts of each run to be ready
+    #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = numbers::seconds, allow_negative_numbers = true)]
+    timeout: Duration,
     #[command(flatten)]
     format: Format,
 }
@@ -22,7 +28,7 @@ impl Check {
     /// Reports errors, or a summary if there are none.
     pub fn execute(self) -> Result<Exit, Exit> {
         let format = self.format.message_format;
-        let plan = self.scenarios.prepare(usize::MAX, format);
+        let plan = self.scenarios.prepare_within(usize::MAX, format, self.timeout);
         let exit = plan.as_ref().map_or_else(|exit| *exit, |_| Exit::Success);
         let mut last = CheckFinished { exit_code: exit as u8, ..CheckFinished::default() };
         if let Ok(plan) = &plan {

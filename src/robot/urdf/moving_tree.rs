@@ -14,6 +14,10 @@ use crate::robot::model::{Joint, Link, LinkId, Merged, Model};
 use crate::robot::notices::Notices;
 use crate::robot::robot_error::RobotError;
 
+/// Greatest number of moving joints. The time of a step grows with the third power of the length of
+/// a chain: 0.3 s for one of 1024 joints, which is also how late a run is cancelled.
+pub(super) const MAX_JOINTS: usize = 1024;
+
 /// The next URDF link: welded to a link of the tree, or moved by a joint.
 enum Step {
     Weld { link: usize, carrier: usize, frame: Isometry3<f64> },
@@ -43,6 +47,7 @@ pub(super) fn build(
             parts = walk(tree, xml, &root, policy, &locked, &mut shapes, notices)?;
         }
     }
+    check_count(tree, xml, &parts)?;
     check_inertias(xml, &parts, root.base, notices)?;
     let Parts { links, joints, .. } = parts;
     let home = vec![0.0; joints.len()];
@@ -50,6 +55,14 @@ pub(super) fn build(
     let (soles, end_effectors, sensors) = Default::default();
     let model = Model { name, base: root.base, links, joints, soles, end_effectors, sensors, home };
     Ok(Loaded { model, meshes: shapes.files, mimics: Vec::new() })
+}
+
+/// Refuses a robot with too many moving joints.
+fn check_count(tree: &Tree, xml: &Xml, parts: &Parts) -> Result<(), RobotError> {
+    let Some(&joint) = parts.moved_by.get(MAX_JOINTS) else { return Ok(()) };
+    let name = &tree.robot.joints[joint].name;
+    let fault = xml.fault(xml.named("joint", name), "the robot has too many moving joints");
+    Err(fault.found(parts.joints.len()).expected(format!("at most {MAX_JOINTS}")).invalid())
 }
 
 /// The moving tree before its inertias are checked.

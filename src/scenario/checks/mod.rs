@@ -20,6 +20,9 @@ use crate::text::toml_tree::Node;
 /// Greatest number of delayed readings of a sensor.
 const MAX_READINGS: f64 = 1e5;
 
+/// Greatest rate of a log, Hz.
+const MAX_LOG_RATE: f64 = 1e9;
+
 /// Greatest number of entries of a list; some checks compare all pairs.
 const MAX_ENTRIES: usize = 10_000;
 
@@ -73,6 +76,7 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
         check.force(&format!("force.{i}"), force, scenario.duration);
     }
     check.delays(scenario);
+    check.log_rate(scenario.log.rate);
     check.stop_time(scenario.stop.at, scenario.duration);
     check.events(&scenario.event, scenario.task.len(), scenario.end());
     for (i, expect) in scenario.expect.iter().enumerate() {
@@ -114,6 +118,15 @@ impl Check<'_> {
             self.error(path, format!("has {count} entries, at most {MAX_ENTRIES} are allowed"));
         }
         long.is_none()
+    }
+
+    /// Instants of a log have different times.
+    fn log_rate(&mut self, rate: f64) {
+        if rate > MAX_LOG_RATE {
+            let must =
+                format!("must be at most {MAX_LOG_RATE} Hz, since times of the log are whole nanoseconds, not {rate}");
+            self.error("log.rate", must);
+        }
     }
 
     /// Limits delays: readings are kept in memory until they are due.

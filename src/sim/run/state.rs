@@ -25,6 +25,7 @@ use crate::sim::sensing::{Estimator, Sensors};
 use crate::sim::setup::ContactSetup;
 use crate::sim::termination::StallGuard;
 use crate::task::TaskServer;
+use crate::text::length_limit::limit_length;
 use nalgebra::Vector3;
 
 /// Whether a choice of states that finds none near the solved contact problem may be left to
@@ -119,7 +120,7 @@ impl RunState {
         message: &str,
     ) -> Result<(), RunError> {
         let time = self.plant.state.time;
-        let event = SimEvent { time, kind, subject: subject.to_string(), message: message.to_string() };
+        let event = SimEvent { time, kind, subject: subject.to_string(), message: limit_length(message.to_owned()) };
         observer.event(&event).map_err(RunError::internal)
     }
 
