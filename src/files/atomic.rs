@@ -1,6 +1,6 @@
 //! Atomic writes: a temporary file in the same folder, renamed to its final name when complete.
 
-use crate::files::{RecordError, names};
+use crate::files::{RecordError, durability, names};
 use std::fs::{File, TryLockError};
 use std::io::{BufWriter, ErrorKind, Read, Write};
 use std::path::Path;
@@ -10,11 +10,8 @@ use tempfile::{NamedTempFile, TempPath};
 /// [`publish`] renames it. While it is open it is locked, where the file system has locks, so that
 /// [`remove_partial`] keeps it.
 pub(crate) fn temporary(path: &Path) -> Result<(File, TempPath), RecordError> {
-    let folder = match path.parent() {
-        Some(p) if !p.as_os_str().is_empty() => p,
-        _ => Path::new("."),
-    };
-    std::fs::create_dir_all(folder).map_err(RecordError::io(folder))?;
+    let folder = durability::folder_of(path);
+    durability::create_folder(folder).map_err(RecordError::io(folder))?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let (file, temporary) = builder(&format!(".{name}."))
         .tempfile_in(folder)
@@ -76,7 +73,9 @@ pub(crate) fn if_present(removed: std::io::Result<()>) -> std::io::Result<()> {
 
 /// Renames a finished file onto `path`.
 pub(crate) fn publish(temporary: TempPath, path: &Path) -> Result<(), RecordError> {
-    temporary.persist(path).map_err(|e| RecordError::Io { path: path.to_owned(), source: e.error })
+    durability::sync_path(&temporary).map_err(RecordError::io(path))?;
+    temporary.persist(path).map_err(|e| RecordError::Io { path: path.to_owned(), source: e.error })?;
+    durability::sync_folder_of(path).map_err(RecordError::io(path))
 }
 
 /// Writes a file through `fill` and publishes it. On error, an older file stays unchanged and no
@@ -195,9 +194,8 @@ pub(crate) fn write_named(
 
 /// Removes what killed programs left of this file.
 fn remove_interrupted(path: &Path) {
-    if let (Some(folder), Some(name)) = (path.parent(), path.file_name()) {
-        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-        remove_partial_of(folder, &format!("{}.", name.to_string_lossy()));
+    if let Some(name) = path.file_name() {
+        remove_partial_of(durability::folder_of(path), &format!("{}.", name.to_string_lossy()));
     }
 }
 

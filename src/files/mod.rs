@@ -7,6 +7,7 @@
 pub mod atomic;
 pub(crate) mod checksum;
 pub mod confined;
+pub(crate) mod durability;
 pub mod input;
 pub(crate) mod json;
 pub mod names;
@@ -14,4 +15,5 @@ mod record_error;
 
 pub use atomic::{OutputKind, check_replaceable, remove_partial};
 pub(crate) use atomic::{SESSION, if_present, is_abandoned, write_named};
+pub use durability::make_durable;
 pub use record_error::RecordError;

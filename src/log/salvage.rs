@@ -211,7 +211,7 @@ impl<'a> Contents<'a> {
             _ => None,
         });
         self.salvaged.messages = times.clone().count();
-        self.salvaged.until_s = times.max().unwrap_or(0) as f64 * 1e-9;
+        self.salvaged.until_s = times.max().unwrap_or(0) as f64 / 1e9;
     }
 
     /// True if the log says which run it is of.

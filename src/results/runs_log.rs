@@ -3,7 +3,7 @@
 //! with the process.
 
 use crate::files::checksum::{self, Layout};
-use crate::files::{RecordError, confined};
+use crate::files::{RecordError, confined, durability};
 use crate::metrics::{COLUMNS, number::Real};
 use crate::results::SummaryRow;
 use crate::results::summary::TEXT_COLUMNS;
@@ -71,7 +71,8 @@ impl RunsLog {
         self.line.push(b'\n');
         let before = self.file.metadata().map(|m| m.len());
         // One unbuffered write per line: lines of a killed program are complete or absent.
-        self.file.write_all(&self.line).and_then(|()| self.file.flush()).map_err(|source| {
+        let written = self.file.write_all(&self.line).and_then(|()| durability::sync_file(&self.file));
+        written.map_err(|source| {
             // A full disk accepts the beginning of a line, which is removed here; devices cannot be
             // truncated.
             let _ = before.and_then(|length| self.file.set_len(length));

@@ -50,7 +50,8 @@ pub fn shorten(message: &str) -> Cow<'_, str> {
     shorten_middle(&words.join(" "), MESSAGE_ENDS).into_owned().into()
 }
 
-fn shorten_middle(text: &str, (first, last): (usize, usize)) -> Cow<'_, str> {
+/// Leaves out the middle of a text with more characters than `first + last`.
+pub(super) fn shorten_middle(text: &str, (first, last): (usize, usize)) -> Cow<'_, str> {
     if text.len() <= first + last {
         return text.into();
     }

@@ -1,7 +1,14 @@
 //! Lays out tables of text in columns that fit the width of a terminal.
 
+use std::borrow::Cow;
+
+use super::excerpt::shorten_middle;
+
 /// Width, in characters, to which columns of text are shrunk at most.
 const MIN_TEXT_WIDTH: usize = 8;
+
+/// Characters kept of the beginning and the end of a long cell: padding has a limit of 65 535.
+const CELL_ENDS: (usize, usize) = (200, 100);
 
 /// Alignment of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,13 +30,13 @@ impl TextTable {
     /// A table with this header.
     pub fn new<T: Into<String>>(header: impl IntoIterator<Item = (T, Alignment)>) -> Self {
         let (names, alignments) = header.into_iter().map(|(name, alignment)| (name.into(), alignment)).unzip();
-        TextTable { alignments, lines: vec![names] }
+        TextTable { alignments, lines: vec![Vec::into_iter(names).map(limited).collect()] }
     }
 
     /// Adds a line. Missing cells are empty, further ones are dropped.
     pub fn push(&mut self, mut cells: Vec<String>) {
         cells.resize(self.alignments.len(), String::new());
-        self.lines.push(cells);
+        self.lines.push(cells.into_iter().map(limited).collect());
     }
 
     /// Lines below the header.
@@ -72,6 +79,14 @@ impl TextTable {
     fn widths(&self, from: usize) -> Vec<usize> {
         let widest = |c: usize| self.lines[from..].iter().map(|line| line[c].chars().count()).max();
         (0..self.alignments.len()).map(|c| widest(c).unwrap_or(0)).collect()
+    }
+}
+
+/// A cell of bounded length: a longer one loses its middle.
+pub fn limited(cell: String) -> String {
+    match shorten_middle(&cell, CELL_ENDS) {
+        Cow::Borrowed(_) => cell,
+        Cow::Owned(short) => short,
     }
 }
 
@@ -123,6 +138,15 @@ mod tests {
              a longer name           12\n"
         );
         assert_eq!((table().natural_width(), table().rows()), (58, 2));
+    }
+
+    #[test]
+    fn cells_of_any_length_are_shown_by_their_ends() {
+        let mut table = TextTable::new([("x".repeat(70_000), Alignment::Left), ("n".into(), Alignment::Right)]);
+        table.push(vec![format!("begin{}end", "é".repeat(70_000)), "1".repeat(70_000)]);
+        let text = table.render(usize::MAX);
+        assert!(text.contains("begin") && text.contains("end") && text.contains('…'));
+        assert!(text.lines().all(|line| line.chars().count() <= 610), "{}", text.len());
     }
 
     #[test]

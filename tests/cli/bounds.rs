@@ -137,3 +137,22 @@ fn a_robot_has_a_bounded_number_of_joints() {
     let parts = ["the robot has too many moving joints", "chain.urdf:2052:", "1025", "at most 1024"];
     assert!(parts.iter().all(|part| done.stderr.contains(part)), "{}", done.stderr);
 }
+
+#[test]
+fn tables_show_long_values_by_their_ends() {
+    let place = Place::new();
+    let long = "x".repeat(70_000);
+    for (name, friction) in [("a", 0.5), ("b", 0.4)] {
+        place.block(
+            "s.toml",
+            &format!("floor.friction = {friction}\n[sweep.grid]\ndescription = [\"{long}\", \"short\"]\n")
+                .replace("floor.friction", "[floor]\nfriction"),
+        );
+        place.runner(&["s.toml", "--set", "duration=0.01", "--no-log", "-o", name]).exits(0);
+    }
+    let done = place.runner(&["compare", "a", "b"]);
+    assert!(done.stderr.is_empty() && done.stdout.contains("runs compared"), "{}", done.stderr);
+    assert!(done.stdout.len() < 20_000, "{}", done.stdout.len());
+    let listed = place.runner(&["list", "s.toml"]).exits(0).stdout;
+    assert!(listed.len() < 20_000 && listed.contains('…'), "{}", listed.len());
+}

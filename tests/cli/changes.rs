@@ -178,3 +178,69 @@ fn unreadable_results_exit_with_2_and_empty_results_with_4() {
     assert!(done.stderr.contains("nothing to compare"), "{}", done.stderr);
     place.runner(&["compare", "empty.jsonl", "a"]).exits(1);
 }
+
+/// Results are read row by row: order and format of the files change nothing.
+#[test]
+fn order_and_format_of_the_files_change_nothing() {
+    let place = Place::new();
+    place.block("s.toml", "[sweep]\nrepeat = 3\n[sweep.grid]\n\"floor.friction\" = [0.1, 0.2, 0.3]\n");
+    let run = |output: &str, set: &str| {
+        place.runner(&["s.toml", "--no-log", "--set", "duration=0.05", "--set", set, "-o", output]).exits(0)
+    };
+    run("a", "robot.base.linear_velocity=[1, 0, 0]");
+    run("b", "robot.base.linear_velocity=[1.1, 0, 0]");
+    let expected = place.runner(&["compare", "a", "b", "--format", "json"]).exits(1).stdout;
+    let changes: serde_json::Value = serde_json::from_str(&expected).unwrap();
+    assert_eq!((&changes["matched"], &changes["matched_by_key"]), (&9.into(), &0.into()));
+    assert!(changes["beyond"].as_array().unwrap().len() >= 9, "{changes}");
+    let reversed = |from: &str, to: &str, header: usize| {
+        let text = std::fs::read_to_string(place.path(from)).unwrap();
+        let mut lines: Vec<&str> = text.lines().collect();
+        lines[header..].reverse();
+        place.write(to, lines.join("\n") + "\n");
+    };
+    reversed("b/summary.csv", "b.csv", 1);
+    reversed("b/runs.jsonl", "b.jsonl", 0);
+    for a in ["a/summary.csv", "a/summary.parquet"] {
+        for b in ["b/summary.csv", "b/summary.parquet", "b.csv"] {
+            assert_eq!(place.runner(&["compare", a, b, "--format", "json"]).exits(1).stdout, expected, "{a} {b}");
+        }
+    }
+    // The order of lines is that in which runs ended, and numbers are written as JSON.
+    let sorted = |a: &str, b: &str| {
+        let text = place.runner(&["compare", a, b, "--format", "json"]).exits(1).stdout;
+        let changes: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let field = |d: &serde_json::Value, name: &str| d[name].as_str().unwrap().to_owned();
+        let beyond = changes["beyond"].as_array().unwrap().iter();
+        let mut found: Vec<_> =
+            beyond.map(|d| (field(d, "run"), field(d, "column"), d["distance"].as_f64().map(f64::to_bits))).collect();
+        found.sort();
+        found
+    };
+    let reference = sorted("a", "b");
+    assert_eq!(sorted("a/runs.jsonl", "b/runs.jsonl"), reference);
+    assert_eq!(sorted("a/runs.jsonl", "b.jsonl"), reference);
+    assert_eq!(sorted("a/runs.jsonl", "b/summary.parquet"), reference);
+}
+
+#[test]
+fn damaged_lists_and_tables_are_refused() {
+    let place = Place::new();
+    place.block("s.toml", "[sweep]\nrepeat = 3\n");
+    place.runner(&["s.toml", "--no-log", "--set", "duration=0.05"]).exits(0);
+    let list = std::fs::read_to_string(place.path("results/runs.jsonl")).unwrap();
+    let lines: Vec<&str> = list.lines().collect();
+    let damaged = lines[1].replacen("\"duration_s\":0.05", "\"duration_s\":0.07", 1);
+    assert_ne!(damaged, lines[1]);
+    place.write("damaged.jsonl", [lines[0], &damaged, lines[2]].join("\n") + "\n");
+    let done = place.runner(&["compare", "damaged.jsonl", "results"]).exits(2);
+    assert!(done.stderr.contains("damaged.jsonl: line 2: damaged: its content does not match"), "{}", done.stderr);
+    // Lines of earlier versions have no checksum.
+    let without = |line: &str| format!("{}}}", line.rsplit_once(",\"checksum\"").unwrap().0);
+    place.write("earlier.jsonl", lines.iter().map(|line| without(line) + "\n").collect::<String>());
+    place.runner(&["compare", "earlier.jsonl", "results"]).exits(0);
+    let table = std::fs::read_to_string(place.path("results/summary.csv")).unwrap();
+    place.write("short.csv", table.replacen(",passed,", ",", 1));
+    let done = place.runner(&["compare", "short.csv", "results"]).exits(2);
+    assert!(done.stderr.contains("short.csv: row 1: found "), "{}", done.stderr);
+}

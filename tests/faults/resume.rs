@@ -224,6 +224,13 @@ fn missing_or_damaged_files_cause_a_rerun() {
     assert_eq!(rerun_reason(&resume(&place, &arguments).exits(0)), "1 run again: its log is incomplete, s");
     fs::write(run("run.json"), "{").unwrap();
     assert_eq!(rerun_reason(&resume(&place, &arguments).exits(0)), "1 run again: its record is incomplete, s");
+    // A changed digit leaves valid JSON.
+    let text = fs::read_to_string(run("run.json")).unwrap();
+    let damaged = text.replacen("\"duration_s\": 0.1", "\"duration_s\": 0.2", 1);
+    assert_ne!(text, damaged);
+    fs::write(run("run.json"), damaged).unwrap();
+    let done = resume(&place, &arguments).exits(0);
+    assert_eq!(rerun_reason(&done), "1 run again: its record is damaged, s");
     let mut record = RunRecord::read(&run("run.json")).unwrap();
     record.key = "0123456789abcdef".into();
     record.write(&run("run.json")).unwrap();

@@ -2,6 +2,7 @@
 
 use super::{ARGUMENTS, EXIT_CODE, batch};
 use crate::cli::Place;
+use crate::same::assert_same;
 
 const SUMMARY: [&str; 3] = ["summary.csv", "summary.parquet", "report.html"];
 
@@ -31,4 +32,15 @@ fn two_programs_do_not_write_into_the_same_folder() {
         assert!(done.stderr.contains("another runner is writing these results"), "{}", done.stderr);
     }
     assert_eq!(std::fs::read_to_string(place.path("results/summary.csv")).unwrap(), "theirs");
+}
+
+#[test]
+fn durable_results_are_the_same() {
+    let place = batch();
+    place.runner(&["thrown.toml", "--no-log"]).exits(0);
+    place.runner(&["thrown.toml", "--no-log", "--durable", "-o", "deep/durable"]).exits(0);
+    assert_same(&place.path("results"), &place.path("deep/durable"));
+    place.runner(&["thrown.toml", "--no-log", "--durable", "--shard", "1/1", "-o", "part"]).exits(0);
+    place.runner(&["merge", "part", "--durable", "-o", "merged"]).exits(0);
+    assert_same(&place.path("results"), &place.path("merged"));
 }

@@ -154,6 +154,7 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
     let record = match RunRecord::read(&path) {
         Ok(record) => record,
         Err(RecordError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => return State::Absent,
+        Err(RecordError::Checksum { .. }) => return State::Rerun("its record is damaged".into()),
         Err(_) => return State::Rerun("its record is incomplete".into()),
     };
     if (&record.scenario, &record.key) != (&job.run.name, &job.key) {

@@ -16,6 +16,10 @@ pub struct Each {
     /// Write no logs
     #[arg(long)]
     pub no_log: bool,
+    /// Wait until the files of each run are on the storage device (fsync): safe against power
+    /// failures, slower
+    #[arg(long)]
+    pub durable: bool,
     /// Wall-clock limit of each run
     #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds, allow_negative_numbers = true)]
     pub timeout: Option<Duration>,
@@ -55,7 +59,7 @@ impl Each {
 
     /// The options as arguments of `runner run`.
     pub fn to_arguments(&self) -> Vec<String> {
-        let flags = [(self.no_timing, "--no-timing"), (self.no_log, "--no-log")];
+        let flags = [(self.no_timing, "--no-timing"), (self.no_log, "--no-log"), (self.durable, "--durable")];
         let flags = flags.into_iter().filter(|(set, _)| *set).map(|(_, flag)| flag.to_owned());
         let times = [("--timeout", self.timeout), ("--slow", self.slow)];
         let times = times.into_iter().filter_map(|(name, time)| Some(format!("{name}={}", time?.as_secs_f64())));

@@ -56,13 +56,13 @@ impl Compare {
             columns: self.thresholds.into_iter().collect::<BTreeMap<_, _>>(),
             timing: self.timing,
         };
-        let [a, b] = [&self.a, &self.b].map(|path| Results::read(path).map_err(|error| refused(&error)));
-        let (a, b) = (a?, b?);
-        if a.rows.is_empty() && b.rows.is_empty() {
+        let [a, b] = [&self.a, &self.b].map(|path| Results::open(path).map_err(|error| refused(&error)));
+        let (mut a, mut b) = (a?, b?);
+        if a.is_empty() && b.is_empty() {
             complain(&format!("nothing to compare: no runs in {} and {}", a.path.display(), b.path.display()));
             return Err(Exit::Nothing);
         }
-        let changes = compare(&a, &b, &limits).map_err(|error| refused(&error))?;
+        let changes = compare(&mut a, &mut b, &limits).map_err(|error| refused(&error))?;
         print(&match self.format {
             Format::Text => format!("A: {}\nB: {}\n{changes}", a.path.display(), b.path.display()),
             Format::Json => match serde_json::to_string_pretty(&changes) {

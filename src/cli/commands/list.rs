@@ -4,6 +4,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
 use stiction::batch::Plan;
 use stiction::results::ParamValue;
+use stiction::text::text_table::limited;
 use stiction::text::visible::visible;
 
 use crate::cli::Exit;
@@ -51,7 +52,8 @@ impl List {
 fn text(plan: &Plan) -> String {
     let names = (0..plan.runs()).map(|run| visible(plan.scenario(run)).chars().count()).max().unwrap_or(0);
     let lines = plan.jobs().map(|job| {
-        let line = format!("{:names$}  {}  {}", visible(&job.run.name), job.key, visible(&job.label));
+        let line =
+            format!("{:names$}  {}  {}", visible(&job.run.name), job.key, limited(visible(&job.label).into_owned()));
         format!("{}\n", line.trim_end())
     });
     lines.collect()

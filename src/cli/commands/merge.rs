@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use stiction::batch::marks_implausible;
-use stiction::files::names;
+use stiction::files::{make_durable, names};
 use stiction::report::write_report_of_found;
 use stiction::results::merge::{MergeError, Merged, Shards};
 use stiction::results::{endings, overview};
@@ -27,6 +27,9 @@ pub struct Merge {
     /// Merge even if shards or runs are missing
     #[arg(long)]
     partial: bool,
+    /// Wait until each file is on the storage device (fsync)
+    #[arg(long)]
+    durable: bool,
 }
 
 impl Merge {
@@ -36,6 +39,9 @@ impl Merge {
             complain_of(error);
             Exit::Invalid
         };
+        if self.durable {
+            make_durable();
+        }
         let shards = Shards::open(&self.folders).map_err(refused)?;
         shards.check_output(&self.output).map_err(refused)?;
         let missing = shards.check().map_err(refused)?;

@@ -11,6 +11,7 @@ use stiction::batch::{
     Batch, BatchFinished, BatchStarted, Finished, Junit, Listener, Message, MessageWriter, Options, Progress, Report,
     Resumed, is_slow, marks_implausible, simulate_with_clients,
 };
+use stiction::files::make_durable;
 use stiction::remote::Pace;
 use stiction::results::pareto::{Work, pareto_table};
 use stiction::results::{ListedVerdicts, endings, overview, table, verdicts};
@@ -104,6 +105,9 @@ impl Run {
         let (runs, references) = (plan.runs(), plan.references());
         let pace = if let Pace::Times(times) = self.pace { Some(times) } else { None };
         let clients = self.live.start(&plan, pace).map_err(|error| refuse(&error, last, Exit::Invalid))?;
+        if self.each.durable {
+            make_durable();
+        }
         let repetitions = if self.each.no_timing { 0 } else { plan.repetitions() };
         let options = Options {
             output: self.output.clone(),

@@ -12,14 +12,16 @@ const MAX_LISTED: usize = 50;
 impl Display for Changes {
     /// Missing runs, outcomes, values beyond the tolerances, columns that differ, and counts.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        for (rows, side) in [(&self.only_in_a, "A"), (&self.only_in_b, "B")] {
+        let omitted = self.omitted;
+        let sides = [(&self.only_in_a, omitted.only_in_a, "A"), (&self.only_in_b, omitted.only_in_b, "B")];
+        for (rows, omitted, side) in sides {
             rows.iter().take(MAX_LISTED).try_for_each(|run| writeln!(f, "only in {side}: {}", visible(run)))?;
-            more(f, rows.len(), "runs")?;
+            more(f, rows.len(), omitted, "runs")?;
         }
         for change in self.outcomes.iter().take(MAX_LISTED) {
             writeln!(f, "outcome: {}: {} in A, {} in B", visible(&change.run), change.a, change.b)?;
         }
-        more(f, self.outcomes.len(), "outcomes")?;
+        more(f, self.outcomes.len(), omitted.outcomes, "outcomes")?;
         if !self.beyond.is_empty() {
             let header = ["beyond", "run", "A", "B", "distance", "allowed"];
             let lines = self.beyond.iter().take(MAX_LISTED).map(|d| {
@@ -35,7 +37,7 @@ impl Display for Changes {
                 ]
             });
             write!(f, "{}", aligned(&header, lines))?;
-            more(f, self.beyond.len(), "values")?;
+            more(f, self.beyond.len(), omitted.beyond, "values")?;
         }
         if !self.columns.is_empty() {
             let header = ["column", "rows differ", "beyond", "greatest", "relative"];
@@ -53,9 +55,9 @@ impl Display for Changes {
             n if n == self.matched => String::new(),
             n => format!(" ({n} by their keys)"),
         };
-        let (runs, values) = (self.matched, self.beyond.len());
-        let missing = self.only_in_a.len() + self.only_in_b.len();
-        let outcomes = self.outcomes.len();
+        let (runs, values) = (self.matched, self.beyond.len() + omitted.beyond);
+        let missing = self.only_in_a.len() + omitted.only_in_a + self.only_in_b.len() + omitted.only_in_b;
+        let outcomes = self.outcomes.len() + omitted.outcomes;
         let verdict = if self.is_within() { "within the tolerances" } else { "different" };
         writeln!(
             f,
@@ -72,9 +74,11 @@ fn aligned(header: &[&str], lines: impl Iterator<Item = Vec<String>>) -> String 
     table.render(usize::MAX)
 }
 
-fn more(f: &mut Formatter<'_>, count: usize, what: &str) -> fmt::Result {
-    match count.saturating_sub(MAX_LISTED) {
-        0 => Ok(()),
-        n => writeln!(f, "and {n} more {what}; --format json has all"),
+/// Reports the entries that are not listed: of a list of `kept`, and `omitted` ones.
+fn more(f: &mut Formatter<'_>, kept: usize, omitted: usize, what: &str) -> fmt::Result {
+    match (kept.saturating_sub(MAX_LISTED) + omitted, omitted) {
+        (0, _) => Ok(()),
+        (n, 0) => writeln!(f, "and {n} more {what}; --format json has all"),
+        (n, _) => writeln!(f, "and {n} more {what}; --format json has the first {kept}"),
     }
 }

@@ -4,6 +4,8 @@
 //! two files -> Results -> row_pairs (same run) -> compare (by column, with Limits) -> Changes
 //! ```
 //!
+//! Rows are read one pair at a time, so memory grows by some 100 bytes per run.
+//!
 //! Two numbers agree when `|a - b| <= absolute + relative max(|a|, |b|)`. Equal infinities agree,
 //! and so do two NaN; an empty cell agrees with an empty one only. Times are not results: they are
 //! compared only on request.
@@ -12,13 +14,22 @@
 //! it.
 
 mod changes_text;
-mod results_file;
+mod columns;
+mod csv_rows;
+mod file_spans;
+mod json_rows;
+mod parquet_rows;
+mod result_row;
+mod results;
 mod row_pairs;
+mod row_source;
 mod tolerance;
 
 use serde::Serialize;
 
-pub use results_file::{ResultRow, Results, ResultsError, ResultsErrorCause};
+pub use result_row::ResultRow;
+pub use results::{Results, ResultsError};
+pub use row_source::ResultsErrorCause;
 use tolerance::ColumnCheck;
 pub use tolerance::{Limits, Tolerance, UnknownColumn};
 
@@ -42,6 +53,43 @@ pub struct Changes {
     pub beyond: Vec<Difference>,
     /// Columns with any difference.
     pub columns: Vec<ColumnChange>,
+    /// Numbers of entries that the lists above do not have, since they are longer than
+    /// [`MAX_ENTRIES`].
+    #[serde(skip_serializing_if = "Omitted::is_none")]
+    pub omitted: Omitted,
+}
+
+/// Greatest number of entries of a list of [`Changes`].
+pub const MAX_ENTRIES: usize = 100_000;
+
+/// Entries left out of the lists of [`Changes`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Omitted {
+    /// Of `only_in_a`.
+    pub only_in_a: usize,
+    /// Of `only_in_b`.
+    pub only_in_b: usize,
+    /// Of `outcomes`.
+    pub outcomes: usize,
+    /// Of `beyond`.
+    pub beyond: usize,
+}
+
+impl Omitted {
+    fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// Why two results cannot be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareError {
+    /// The limits name a column that neither of them has.
+    #[error(transparent)]
+    Column(#[from] UnknownColumn),
+    /// One of them cannot be read.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
 }
 
 /// A run with different outcomes.
@@ -98,42 +146,76 @@ impl Changes {
 /// Compares two results.
 ///
 /// # Errors
-/// The limits name a column that neither of them has.
-pub fn compare(a: &Results, b: &Results, limits: &Limits) -> Result<Changes, UnknownColumn> {
+/// The limits name a column that neither of them has; a row cannot be read.
+pub fn compare(a: &mut Results, b: &mut Results, limits: &Limits) -> Result<Changes, CompareError> {
     limits.check(a, b)?;
-    let pairs = row_pairs::pair(a, b);
+    let pairs = row_pairs::pair(a, b)?;
     let (common, alone) = tolerance::common(a, b);
-    let mut changes = Changes {
-        matched: pairs.matched.len(),
-        matched_by_key: pairs.by_key,
-        only_in_a: pairs.only_in_a.iter().map(|row| row.label()).collect(),
-        only_in_b: pairs.only_in_b.iter().map(|row| row.label()).collect(),
-        columns_in_one: alone,
-        ..Changes::default()
-    };
-    let compared: Vec<(String, ColumnCheck)> =
-        common.into_iter().filter_map(|name| limits.check_of(&name).map(|check| (name, check))).collect();
-    let mut found: Vec<ColumnChange> = compared.iter().map(|(name, _)| ColumnChange::none(name)).collect();
-    for (row_a, row_b) in &pairs.matched {
-        let run = row_a.label();
+    let mut changes = Changes { matched_by_key: pairs.by_key, columns_in_one: alone, ..Changes::default() };
+    let compared: Vec<ComparedColumn> =
+        common.into_iter().filter_map(|name| ComparedColumn::new(name, a, b, limits)).collect();
+    let mut found: Vec<ColumnChange> = compared.iter().map(|column| ColumnChange::none(&column.name)).collect();
+    let (mut row_a, mut row_b) = (a.blank_row(), b.blank_row());
+    for (position, partner) in pairs.partner.iter().enumerate() {
+        a.read(position, &mut row_a)?;
+        let Some(partner) = *partner else {
+            push(&mut changes.only_in_a, &mut changes.omitted.only_in_a, || row_a.label());
+            continue;
+        };
+        b.read(partner, &mut row_b)?;
+        changes.matched += 1;
         let (outcome_a, outcome_b) = (row_a.text("outcome"), row_b.text("outcome"));
         if outcome_a != outcome_b {
-            changes.outcomes.push(OutcomeChange { run: run.clone(), a: outcome_a.into(), b: outcome_b.into() });
+            push(&mut changes.outcomes, &mut changes.omitted.outcomes, || OutcomeChange {
+                run: row_a.label(),
+                a: outcome_a.into(),
+                b: outcome_b.into(),
+            });
         }
-        for ((column, check), found) in compared.iter().zip(&mut found) {
-            let (a, b) = (row_a.text(column), row_b.text(column));
-            if let Some(difference) = check.difference(a, b) {
-                found.add(&difference);
-                if difference.beyond {
-                    let (run, column, a, b) = (run.clone(), column.clone(), a.into(), b.into());
-                    let (distance, allowed) = (difference.distance, difference.allowed);
-                    changes.beyond.push(Difference { run, column, a, b, distance, allowed });
-                }
+        for (column, found) in compared.iter().zip(&mut found) {
+            let (a, b) = (row_a.cell(column.in_a), row_b.cell(column.in_b));
+            let Some(difference) = column.check.difference(a, b) else { continue };
+            found.add(&difference);
+            if difference.beyond {
+                push(&mut changes.beyond, &mut changes.omitted.beyond, || Difference {
+                    run: row_a.label(),
+                    column: column.name.clone(),
+                    a: a.into(),
+                    b: b.into(),
+                    distance: difference.distance,
+                    allowed: difference.allowed,
+                });
             }
         }
     }
+    for position in pairs.only_in_b {
+        b.read(position, &mut row_b)?;
+        push(&mut changes.only_in_b, &mut changes.omitted.only_in_b, || row_b.label());
+    }
     changes.columns = found.into_iter().filter(|column| column.differ > 0).collect();
     Ok(changes)
+}
+
+/// Adds an entry to a list, or counts it if the list is long.
+fn push<T>(list: &mut Vec<T>, omitted: &mut usize, entry: impl FnOnce() -> T) {
+    if list.len() < MAX_ENTRIES { list.push(entry()) } else { *omitted += 1 }
+}
+
+/// A column that both results have.
+struct ComparedColumn {
+    name: String,
+    check: ColumnCheck,
+    /// Its position in A and in B.
+    in_a: usize,
+    in_b: usize,
+}
+
+impl ComparedColumn {
+    /// None if the column is not compared.
+    fn new(name: String, a: &Results, b: &Results, limits: &Limits) -> Option<Self> {
+        let (check, in_a, in_b) = (limits.check_of(&name)?, a.position(&name)?, b.position(&name)?);
+        Some(Self { name, check, in_a, in_b })
+    }
 }
 
 impl ColumnChange {

@@ -2,61 +2,75 @@
 
 use std::collections::HashMap;
 
-use crate::results::compare::{ResultRow, Results};
+use crate::results::compare::columns::{RunDigest, digest};
+use crate::results::compare::result_row::ResultRow;
+use crate::results::compare::results::{Results, ResultsError};
 
-/// Pairs of rows.
-pub(super) struct Pairs<'a> {
-    pub matched: Vec<(&'a ResultRow, &'a ResultRow)>,
+/// Pairs of rows, by their positions.
+pub(super) struct Pairs {
+    /// For each row of A, the row of B.
+    pub partner: Vec<Option<usize>>,
     /// Number of pairs with equal keys.
     pub by_key: usize,
-    pub only_in_a: Vec<&'a ResultRow>,
-    pub only_in_b: Vec<&'a ResultRow>,
+    /// Rows of B without a row of A.
+    pub only_in_b: Vec<usize>,
 }
 
 /// Pairs rows by scenario and key; then the others by scenario, swept parameters, method,
 /// integrator and seed, since keys depend on the versions of program and scenario. Rows that remain
 /// ambiguous pair in their order.
-pub(super) fn pair<'a>(a: &'a Results, b: &'a Results) -> Pairs<'a> {
-    let mut partner: Vec<Option<usize>> = vec![None; a.rows.len()];
-    let mut taken = vec![false; b.rows.len()];
-    let by_key = link(a, b, &mut partner, &mut taken, |row| [row.text("scenario"), row.text("key")].join("\n"));
-    link(a, b, &mut partner, &mut taken, identity);
-    let rows = || a.rows.iter().zip(&partner);
-    Pairs {
-        matched: rows().filter_map(|(row, partner)| Some((row, &b.rows[(*partner)?]))).collect(),
-        by_key,
-        only_in_a: rows().filter(|(_, partner)| partner.is_none()).map(|(row, _)| row).collect(),
-        only_in_b: b.rows.iter().zip(&taken).filter(|(_, taken)| !**taken).map(|(row, _)| row).collect(),
+pub(super) fn pair(a: &mut Results, b: &mut Results) -> Result<Pairs, ResultsError> {
+    let mut partner: Vec<Option<usize>> = vec![None; a.len()];
+    let mut taken = vec![false; b.len()];
+    let keyed = |runs: &[RunDigest]| runs.iter().copied().enumerate().collect::<Vec<_>>();
+    let by_key = link(&keyed(a.runs()), &keyed(b.runs()), &mut partner, &mut taken);
+    let left = |unpaired: Vec<usize>, of: &mut Results| -> Result<Vec<(usize, RunDigest)>, ResultsError> {
+        let mut row = of.blank_row();
+        let name = |position| of.read(position, &mut row).map(|()| (position, identity(&row)));
+        unpaired.into_iter().map(name).collect()
+    };
+    let in_a: Vec<usize> = (0..a.len()).filter(|i| partner[*i].is_none()).collect();
+    let in_b: Vec<usize> = (0..b.len()).filter(|i| !taken[*i]).collect();
+    if !in_a.is_empty() && !in_b.is_empty() {
+        link(&left(in_a, a)?, &left(in_b, b)?, &mut partner, &mut taken);
     }
+    let only_in_b = (0..b.len()).filter(|i| !taken[*i]).collect();
+    Ok(Pairs { partner, by_key, only_in_b })
 }
 
-/// Pairs the unpaired rows with equal `name`; returns the number of pairs.
+/// Pairs the given rows with equal digests; returns the number of pairs.
 fn link(
-    a: &Results,
-    b: &Results,
+    a: &[(usize, RunDigest)],
+    b: &[(usize, RunDigest)],
     partner: &mut [Option<usize>],
     taken: &mut [bool],
-    name: impl Fn(&ResultRow) -> String,
 ) -> usize {
-    let mut free: HashMap<String, Vec<usize>> = HashMap::new();
-    for (i, row) in b.rows.iter().enumerate().rev().filter(|(i, _)| !taken[*i]) {
-        free.entry(name(row)).or_default().push(i);
+    // Rows of B by digest: the first of each, and for each row the next one with its digest.
+    let mut first: HashMap<RunDigest, usize> = HashMap::with_capacity(b.len());
+    let mut next: Vec<Option<usize>> = vec![None; b.len()];
+    for (i, (_, digest)) in b.iter().enumerate().rev() {
+        next[i] = first.insert(*digest, i);
     }
     let mut linked = 0;
-    for (row, partner) in a.rows.iter().zip(partner).filter(|(_, partner)| partner.is_none()) {
-        if let Some(i) = free.get_mut(&name(row)).and_then(Vec::pop) {
-            (*partner, taken[i]) = (Some(i), true);
-            linked += 1;
-        }
+    for (row, digest) in a {
+        let Some(&i) = first.get(digest) else { continue };
+        match next[i] {
+            Some(following) => first.insert(*digest, following),
+            None => first.remove(digest),
+        };
+        partner[*row] = Some(b[i].0);
+        taken[b[i].0] = true;
+        linked += 1;
     }
     linked
 }
 
 /// Identity of a run independent of the program's version.
-fn identity(row: &ResultRow) -> String {
+fn identity(row: &ResultRow) -> RunDigest {
     let own = ["scenario", "method", "integrator", "seed"].map(|name| row.text(name).to_owned());
     // Equal numbers may be written differently.
     let same = |value: &str| value.parse::<f64>().map_or(value.to_owned(), |x| format!("{x:e}"));
     let parameters = row.parameters().map(|(name, value)| format!("{name}={}", same(value)));
-    own.into_iter().chain(parameters).collect::<Vec<_>>().join("\n")
+    let parts: Vec<String> = own.into_iter().chain(parameters).collect();
+    digest(parts.iter().map(String::as_str))
 }

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::metrics::NUMERIC_COLUMNS;
-use crate::results::compare::Results;
+use crate::results::compare::columns::is_measured;
+use crate::results::compare::results::Results;
 
 /// Allowed distance of two numbers: `absolute + relative max(|a|, |b|)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +47,7 @@ pub struct UnknownColumn {
 impl Limits {
     /// Checks that each named column is in one of the results.
     pub(super) fn check(&self, a: &Results, b: &Results) -> Result<(), UnknownColumn> {
-        let names = a.columns.iter().chain(&b.columns).map(String::as_str);
+        let names = a.columns().iter().chain(b.columns()).map(String::as_str);
         let known: BTreeSet<&str> = names.filter(|name| is_measured(name)).collect();
         match self.columns.keys().find(|column| !known.contains(column.as_str())) {
             Some(column) => {
@@ -70,14 +70,9 @@ impl Limits {
     }
 }
 
-/// True if the column has measured numbers, not swept parameters or text.
-pub(super) fn is_measured(column: &str) -> bool {
-    NUMERIC_COLUMNS.contains(&column) || column.strip_prefix("error_").is_some_and(|m| NUMERIC_COLUMNS.contains(&m))
-}
-
 /// Measured columns of both, in A's order, and those of one alone.
 pub(super) fn common(a: &Results, b: &Results) -> (Vec<String>, Vec<String>) {
-    let measured = |r: &Results| -> Vec<String> { r.columns.iter().filter(|c| is_measured(c)).cloned().collect() };
+    let measured = |r: &Results| -> Vec<String> { r.columns().iter().filter(|c| is_measured(c)).cloned().collect() };
     let (in_a, in_b) = (measured(a), measured(b));
     let (common, mut alone): (Vec<_>, Vec<_>) = in_a.iter().cloned().partition(|c| in_b.contains(c));
     alone.extend(in_b.into_iter().filter(|c| !in_a.contains(c)));
@@ -108,9 +103,11 @@ pub(super) struct CellDifference {
 impl ColumnCheck {
     /// Checks two cells; none when they are equal.
     pub fn difference(self, a: &str, b: &str) -> Option<CellDifference> {
+        if a == b {
+            return None;
+        }
         let (x, y) = match (number(a), number(b)) {
             (Some(x), Some(y)) => (x, y),
-            (None, None) if a == b => return None,
             // A run without times is not slower.
             _ if matches!(self, ColumnCheck::Time { .. }) => return None,
             _ => return Some(CellDifference { beyond: true, distance: None, relative: None, allowed: 0.0 }),

@@ -2,7 +2,7 @@
 //! Results are never modified in place, so a linked file keeps its content when the file of the
 //! other name is replaced.
 
-use crate::files::{RecordError, atomic, if_present, names};
+use crate::files::{RecordError, atomic, durability, if_present, names};
 use std::path::{Path, PathBuf};
 
 /// Replaces `to` by a copy of the folder of a run; copies the record last.
@@ -39,12 +39,12 @@ fn list(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), RecordError> {
 }
 
 fn copy_file(from: &Path, to: &Path) -> Result<(), RecordError> {
-    let folder = to.parent().unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(RecordError::io(folder))?;
+    let folder = durability::folder_of(to);
+    durability::create_folder(folder).map_err(RecordError::io(folder))?;
     // Link and copy the file itself, not a symbolic link to it.
     let from = &from.canonicalize().map_err(RecordError::io(from))?;
     if std::fs::hard_link(from, to).is_ok() {
-        return Ok(());
+        return durability::sync_path(to).and_then(|()| durability::sync_folder_of(to)).map_err(RecordError::io(to));
     }
     atomic::write(to, |out| {
         let (mut file, _) = crate::files::input::open(from).map_err(RecordError::io(from))?;

@@ -53,6 +53,8 @@ pub(super) fn merge(sweep: &Sweep, options: &Options) -> Result<String, SubmitEr
     for number in 0..sweep.parts.get() {
         arguments.push(path("the folder", &sweep.part(number))?.to_owned());
     }
+    // What the parts keep against power failures, the merge keeps too.
+    arguments.extend(sweep.arguments.iter().filter(|argument| *argument == "--durable").cloned());
     arguments.extend(["--output".to_owned(), path("the folder", &sweep.results())?.to_owned()]);
     lines.push(format!("exec {}", quoting::command(&arguments)));
     Ok(lines.join("\n") + "\n")
