@@ -32,7 +32,7 @@ impl CsvRows {
             at += length as u64;
             let Some(columns) = &columns else {
                 let text = std::str::from_utf8(&record).map_err(std::io::Error::other)?;
-                columns = Some(Columns::new(cells(text.trim_start_matches('\u{feff}')).map(String::from)));
+                columns = Some(Columns::new(cells(text.trim_start_matches('\u{feff}'))));
                 continue;
             };
             if record.is_empty() && columns.len() > 1 {
