@@ -3,7 +3,7 @@
 //! with the process.
 
 use crate::files::checksum::{self, Layout};
-use crate::files::{RecordError, confined, durability};
+use crate::files::{RecordError, atomic, confined, durability};
 use crate::metrics::{COLUMNS, number::Real};
 use crate::results::SummaryRow;
 use crate::results::summary::TEXT_COLUMNS;
@@ -71,7 +71,9 @@ impl RunsLog {
         self.line.push(b'\n');
         let before = self.file.metadata().map(|m| m.len());
         // One unbuffered write per line: lines of a killed program are complete or absent.
-        let written = self.file.write_all(&self.line).and_then(|()| durability::sync_file(&self.file));
+        // The file may have been read; one without its damaged lines is not open to append.
+        let written = self.file.seek(SeekFrom::End(0)).and_then(|_| self.file.write_all(&self.line));
+        let written = written.and_then(|()| durability::sync_file(&self.file));
         written.map_err(|source| {
             // A full disk accepts the beginning of a line, which is removed here; devices cannot be
             // truncated.
@@ -87,7 +89,7 @@ impl RunsLog {
     pub fn logged(&mut self) -> Result<LoggedRuns, RecordError> {
         let (logged, damaged) = self.read_lines().map_err(RecordError::io(&self.path))?;
         if damaged {
-            self.remove_damaged_lines().map_err(RecordError::io(&self.path))?;
+            self.remove_damaged_lines()?;
         }
         Ok(logged)
     }
@@ -105,11 +107,18 @@ impl RunsLog {
         Ok((logged, damaged))
     }
 
-    /// Writes the intact lines to a temporary file and back. The file itself stays, with its lock.
-    fn remove_damaged_lines(&mut self) -> std::io::Result<()> {
-        let mut intact = tempfile::tempfile()?;
+    /// Replaces the file by one with its intact lines, which is locked before it has the name.
+    fn remove_damaged_lines(&mut self) -> Result<(), RecordError> {
+        let (intact, temporary) = atomic::temporary(&self.path)?;
+        self.copy_intact_lines(&intact).map_err(RecordError::io(&self.path))?;
+        atomic::publish(temporary, &self.path)?;
+        self.file = intact;
+        Ok(())
+    }
+
+    fn copy_intact_lines(&mut self, to: &File) -> std::io::Result<()> {
         self.file.seek(SeekFrom::Start(0))?;
-        let mut out = BufWriter::new(&mut intact);
+        let mut out = BufWriter::new(to);
         for line in BufReader::new(&self.file).split(b'\n') {
             let line = line?;
             if logged_run(&line).is_some() {
@@ -117,11 +126,7 @@ impl RunsLog {
                 out.write_all(b"\n")?;
             }
         }
-        out.flush()?;
-        drop(out);
-        intact.seek(SeekFrom::Start(0))?;
-        self.file.set_len(0)?;
-        std::io::copy(&mut intact, &mut self.file).map(|_| ())
+        out.flush()
     }
 }
 
