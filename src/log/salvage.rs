@@ -7,7 +7,7 @@
 //! incomplete tick are left out too, so that every tick has all topics.
 
 use crate::files::{OutputKind, RecordError, write_named};
-use crate::log::read::{LogError, MAX_GROWTH, MAX_RECORD, RUN_ENTRIES, read_bytes};
+use crate::log::read::{LogError, LogFile, MAX_GROWTH, MAX_RECORD, RUN_ENTRIES, read_bytes};
 use crate::log::write::log_options;
 use mcap::records::{Channel, MessageHeader, Metadata, Record, SchemaHeader, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
@@ -25,11 +25,13 @@ pub struct Salvaged {
     pub until_s: f64,
     /// Chunks left out: they do not match their checksums.
     pub damaged_chunks: usize,
+    /// Other records left out: they cannot be read, or their channel is missing.
+    pub damaged_records: usize,
     /// Messages left out, since their ticks are incomplete.
     pub incomplete: usize,
     /// Bytes at the end that hold no whole record.
     pub unread_bytes: usize,
-    /// True if nothing is missing.
+    /// True if nothing is missing: the log matches all its checksums.
     pub whole: bool,
 }
 
@@ -56,6 +58,7 @@ pub fn salvage(from: &Path, to: &Path) -> Result<Salvaged, SalvageError> {
         return Err(LogError::Foreign { path: from.to_owned(), reason }.into());
     }
     let mut contents = Contents::read(&bytes);
+    contents.salvaged.whole = LogFile::open(from, &bytes).is_ok();
     let missing = match contents.salvaged.messages {
         0 => Some("it has no whole message"),
         _ if !contents.has_identity() => Some("it has no complete metadata table `run`"),
@@ -115,7 +118,11 @@ impl<'a> Contents<'a> {
                 op::CHUNK => contents.chunk(&bytes[at..next], &mut budget),
                 op::DATA_END => ended = true,
                 // Behind the data the index repeats schemas and channels.
-                _ => contents.record(mcap::parse_record(kind, content).ok()),
+                op::SCHEMA | op::CHANNEL | op::MESSAGE | op::ATTACHMENT | op::METADATA => match parse(kind, content) {
+                    Some(record) => contents.record(record),
+                    None => contents.salvaged.damaged_records += 1,
+                },
+                _ => {}
             }
             at = next;
             if kind == op::FOOTER {
@@ -123,17 +130,17 @@ impl<'a> Contents<'a> {
             }
         }
         let unread = bytes.len() - at;
-        let is_end = bytes[at..] == *mcap::MAGIC;
-        contents.salvaged.unread_bytes = if is_end { 0 } else { unread };
+        contents.salvaged.unread_bytes = if bytes[at..] == *mcap::MAGIC { 0 } else { unread };
         if !ended {
             contents.gap();
         }
+        let before = contents.items.len();
         contents.items.retain(|item| match item {
             Item::Message(header, _) => contents.channels.contains_key(&header.channel_id),
             _ => true,
         });
+        contents.salvaged.damaged_records += before - contents.items.len();
         contents.count();
-        contents.salvaged.whole = ended && is_end && contents.salvaged.damaged_chunks == 0;
         contents
     }
 
@@ -141,7 +148,7 @@ impl<'a> Contents<'a> {
     fn chunk(&mut self, record: &[u8], budget: &mut usize) {
         let mut records = Vec::new();
         if read_chunk(record, budget, |record| records.push(record)).is_ok() {
-            records.into_iter().for_each(|record| self.record(Some(record)));
+            records.into_iter().for_each(|record| self.record(record));
         } else {
             self.salvaged.damaged_chunks += 1;
             self.gap();
@@ -152,26 +159,26 @@ impl<'a> Contents<'a> {
     fn unfinished_chunk(&mut self, body: &[u8], budget: &mut usize) {
         let Some(record) = closed_chunk(body) else { return };
         // The end of the file is inside the compressed data, so reading ends with an error.
-        let _ = read_chunk(&record, budget, |record| self.record(Some(record)));
+        let _ = read_chunk(&record, budget, |record| self.record(record));
     }
 
-    fn record(&mut self, record: Option<Record<'a>>) {
+    fn record(&mut self, record: Record<'a>) {
         match record {
-            Some(Record::Schema { header, data }) => {
+            Record::Schema { header, data } => {
                 self.schemas.entry(header.id).or_insert((header, data.into_owned()));
             }
-            Some(Record::Channel(channel)) => {
+            Record::Channel(channel) => {
                 self.channels.entry(channel.id).or_insert(channel);
             }
-            Some(Record::Message { header, data }) => self.message(header, data.into_owned()),
-            Some(Record::Attachment { header, data, .. }) => self.items.push(Item::Attachment(Attachment {
+            Record::Message { header, data } => self.message(header, data.into_owned()),
+            Record::Attachment { header, data, .. } => self.items.push(Item::Attachment(Attachment {
                 log_time: header.log_time,
                 create_time: header.create_time,
                 name: header.name,
                 media_type: header.media_type,
                 data,
             })),
-            Some(Record::Metadata(metadata)) => self.items.push(Item::Metadata(metadata)),
+            Record::Metadata(metadata) => self.items.push(Item::Metadata(metadata)),
             _ => {}
         }
     }
@@ -266,6 +273,24 @@ fn frame(bytes: &[u8]) -> Option<(u8, u64)> {
     Some((*kind, u64::from_le_bytes(*rest.first_chunk()?)))
 }
 
+/// Parses the content of a record.
+fn parse(kind: u8, content: &[u8]) -> Option<Record<'_>> {
+    // The library takes the end of an attachment's header to be within its content.
+    let fits = kind != op::ATTACHMENT || attachment_header(content).is_some_and(|end| end + 4 <= content.len());
+    fits.then(|| mcap::parse_record(kind, content).ok()).flatten()
+}
+
+/// Length of the header of an attachment: times 2 x 8 bytes, name and media type with their lengths
+/// of 4, length of the data 8. Behind the data is a checksum of 4 bytes.
+fn attachment_header(content: &[u8]) -> Option<usize> {
+    let mut at: usize = 16;
+    for _ in 0..2 {
+        let length = u32::from_le_bytes(*content.get(at..)?.first_chunk()?) as usize;
+        at = at.checked_add(4)?.checked_add(length)?;
+    }
+    at.checked_add(8)
+}
+
 /// The record of a chunk that was being written, with the lengths that it would have if it ended
 /// here, and no checksum. Layout of the header: times 2 x 8 bytes, length 8, checksum 4, name of
 /// the compression with its length 4, length of the compressed data 8.
@@ -300,7 +325,10 @@ fn read_chunk<'a>(record: &[u8], budget: &mut usize, mut each: impl FnMut(Record
             }
             LinearReadEvent::Record { data, opcode } => {
                 *budget = budget.checked_sub(data.len()).ok_or(McapError::UnexpectedEof)?;
-                each(mcap::parse_record(opcode, data)?.into_owned());
+                // Chunks have no other records.
+                if matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
+                    each(mcap::parse_record(opcode, data)?.into_owned());
+                }
             }
         }
     }

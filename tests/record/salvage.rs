@@ -58,7 +58,8 @@ fn a_whole_log_is_recovered_whole() {
     let to = place.path("out.mcap");
     let salvaged = salvage(&log, &to).unwrap();
     assert!(
-        salvaged.whole && salvaged.damaged_chunks + salvaged.incomplete + salvaged.unread_bytes == 0,
+        salvaged.whole
+            && salvaged.damaged_chunks + salvaged.damaged_records + salvaged.incomplete + salvaged.unread_bytes == 0,
         "{salvaged:?}"
     );
     let (part, whole) = (read(&to), read(&log));
@@ -145,6 +146,38 @@ fn a_damaged_chunk_is_left_out_and_counted() {
         "{}",
         done.stdout
     );
+}
+
+/// Damage outside of chunks: an attachment has a checksum of its own, metadata only that of all data.
+#[test]
+fn damaged_records_outside_of_chunks_are_never_called_whole() {
+    let (place, log) = logged();
+    let (bytes, whole, to) = (fs::read(&log).unwrap(), read(&log), place.path("out.mcap"));
+    let find = |kind: u8| records(&bytes).into_iter().find(|record| record.0 == kind).unwrap();
+    let from = place.path("damaged.mcap");
+    let attachment = find(mcap::records::op::ATTACHMENT);
+    // All of its header, and parts of its data.
+    let begin = attachment.1 + 9;
+    for at in (begin..begin + 60).chain((begin + 60..attachment.2).step_by(97)) {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 0xff;
+        fs::write(&from, &damaged).unwrap();
+        let salvaged = salvage(&from, &to).unwrap();
+        assert!(!salvaged.whole && salvaged.damaged_records == 1, "byte {at}: {salvaged:?}");
+        assert_eq!(read(&to).attachments, whole.attachments[1..]);
+    }
+    // A letter of a name in the metadata of the run.
+    let metadata = find(mcap::records::op::METADATA);
+    let name = bytes[metadata.1..metadata.2].windows(6).position(|w| w == b"robot\0" || w == b"method").unwrap();
+    let value = metadata.1 + name + 11;
+    let mut damaged = bytes.clone();
+    damaged[value] ^= 1;
+    fs::write(&from, &damaged).unwrap();
+    let salvaged = salvage(&from, &to).unwrap();
+    assert!(!salvaged.whole && salvaged.damaged_records == 0, "{salvaged:?}");
+    assert!(!read(&to).complete);
+    let done = place.runner(&["salvage", "damaged.mcap"]).exits(0);
+    assert!(done.stdout.ends_with("; the log does not match its checksums\n"), "{}", done.stdout);
 }
 
 #[test]

@@ -70,10 +70,13 @@ fn salvaged_path(log: &Path) -> PathBuf {
 }
 
 fn describe(to: &Path, salvaged: &Salvaged) -> String {
-    let Salvaged { messages, until_s, damaged_chunks, incomplete, unread_bytes, whole } = *salvaged;
+    let Salvaged { messages, until_s, damaged_chunks, damaged_records, incomplete, unread_bytes, whole } = *salvaged;
     let mut omitted = Vec::new();
     if damaged_chunks > 0 {
         omitted.push(plural(damaged_chunks, "damaged chunk"));
+    }
+    if damaged_records > 0 {
+        omitted.push(plural(damaged_records, "damaged record"));
     }
     if incomplete > 0 {
         omitted.push(format!("{} of incomplete ticks", plural(incomplete, "message")));
@@ -83,7 +86,7 @@ fn describe(to: &Path, salvaged: &Salvaged) -> String {
     }
     let omitted = match omitted.is_empty() {
         _ if whole => "; nothing is missing".to_owned(),
-        true => String::new(),
+        true => "; the log does not match its checksums".to_owned(),
         false => format!("; left out: {}", omitted.join(", ")),
     };
     format!("{}: {} up to {until_s} s{omitted}\n", visible_path(to), plural(messages, "message"))

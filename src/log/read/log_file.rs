@@ -18,7 +18,7 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, LogError> {
 }
 
 /// A verified log with its index.
-pub(super) struct LogFile<'a> {
+pub(in crate::log) struct LogFile<'a> {
     path: &'a Path,
     bytes: &'a [u8],
     summary: Summary,

@@ -16,7 +16,7 @@ mod trajectory_reader;
 pub use estimate_series::{EstimateSeries, JointReadings, SoleReadings};
 pub use log_error::{LogDamage, LogError};
 pub use log_file::read_bytes;
-pub(super) use log_file::{MAX_GROWTH, MAX_RECORD, RUN_ENTRIES};
+pub(super) use log_file::{LogFile, MAX_GROWTH, MAX_RECORD, RUN_ENTRIES};
 pub use scene::{Frame, Scene};
 pub use self_collision_series::SelfCollisionSeries;
 pub use trajectory::{
