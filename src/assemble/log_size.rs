@@ -20,15 +20,25 @@ const HIGH_RATE: f64 = 1e4;
 /// Greatest motion of a reference, which is kept in memory, bytes.
 const MAX_REFERENCE: f64 = 4e9;
 
-/// Bytes of one logged instant, about.
-fn bytes_per_instant(topics: &[LogTopic], model: &Model) -> f64 {
+/// Size of a run's log, bytes, about.
+fn log_bytes(run: &Run, model: &Model) -> f64 {
     let (joints, soles) = (model.nj() as f64, model.soles.len() as f64);
     let of_topic = |topic: &LogTopic| match topic {
         LogTopic::State => 40.0 * joints,
         LogTopic::Contact => 300.0 * soles,
         LogTopic::Scene => 55.0 * joints,
     };
-    250.0 + topics.iter().map(of_topic).sum::<f64>()
+    let log = &run.scenario.log;
+    log.rate * run.scenario.end() * (250.0 + log.topics.iter().map(of_topic).sum::<f64>())
+}
+
+/// Size of the motion of a run's reference, bytes; 0 without one.
+fn reference_bytes(run: &Run, model: &Model) -> f64 {
+    if run.reference.is_none() {
+        return 0.0;
+    }
+    let numbers = 8.0 + model.nj() as f64 + 3.0 * model.soles.len() as f64;
+    run.scenario.log.rate * run.scenario.end() * 8.0 * numbers
 }
 
 /// A number of bytes as text, to two digits.
@@ -41,36 +51,27 @@ fn size(bytes: f64) -> String {
 
 /// Refuses a log, or a reference in memory, that is too large.
 pub(super) fn check(run: &Run, model: &Model, errors: &mut Vec<Diagnostic>) {
-    let log = &run.scenario.log;
-    let instants = log.rate * run.scenario.end();
-    let bytes = instants * bytes_per_instant(&log.topics, model);
-    let sample = 8.0 * (8.0 + model.nj() as f64 + 3.0 * model.soles.len() as f64);
-    let (what, bytes, limit) = match run.scenario.compare.as_ref().and_then(|c| c.reference.as_ref()) {
-        Some(_) if instants * sample > MAX_REFERENCE => {
-            ("samples of the reference that take", instants * sample, MAX_REFERENCE)
-        }
-        _ if log.rate > HIGH_RATE => ("a log of", bytes, MAX_LOG),
-        _ => return,
+    let (rate, end) = (run.scenario.log.rate, run.scenario.end());
+    let (log, reference) = (log_bytes(run, model), reference_bytes(run, model));
+    let (what, bytes, limit) = if reference > MAX_REFERENCE {
+        ("samples of the reference that take", reference, MAX_REFERENCE)
+    } else if log > MAX_LOG && rate > HIGH_RATE {
+        ("a log of", log, MAX_LOG)
+    } else {
+        return;
     };
-    if bytes > limit {
-        let message = format!(
-            "`log.rate` = {} Hz over {} s makes {what} about {}, at most {} are allowed",
-            log.rate,
-            run.scenario.end(),
-            size(bytes),
-            size(limit)
-        );
-        errors.push(run.error_at("log.rate", message, Some("reduce `log.rate`, or `duration`".into())));
-    }
+    let (bytes, limit) = (size(bytes), size(limit));
+    let message =
+        format!("`log.rate` = {rate} Hz over {end} s makes {what} about {bytes}, at most {limit} are allowed");
+    errors.push(run.error_at("log.rate", message, Some("reduce `log.rate`, or `duration`".into())));
 }
 
 /// A warning of a run with a large log.
 pub fn warning(run: &Run, setup: &Setup) -> Option<Diagnostic> {
-    let log = &run.scenario.log;
-    let bytes = log.rate * run.scenario.end() * bytes_per_instant(&log.topics, &setup.model);
+    let bytes = log_bytes(run, &setup.model);
     (bytes > LARGE).then(|| {
-        let message =
-            format!("`log.rate` = {} Hz makes a log of about {} in {} s", log.rate, size(bytes), run.scenario.end());
+        let (rate, end) = (run.scenario.log.rate, run.scenario.end());
+        let message = format!("`log.rate` = {rate} Hz makes a log of about {} in {end} s", size(bytes));
         let mut warning = run.error_at("log.rate", message, None);
         warning.severity = Severity::Warning;
         warning

@@ -1,6 +1,6 @@
-//! Durable writes: files and names of folders are on the storage device (`fsync`) before the program
-//! goes on. Off by default: a power failure may then lose or break files of the last seconds, which
-//! `--resume` detects.
+//! Durable writes: the program waits until files, and their names in folders, are on the storage
+//! device (`fsync`). Off by default: a power failure may then lose or break files of the last
+//! seconds, which `--resume` detects.
 
 use std::fs::File;
 use std::path::Path;

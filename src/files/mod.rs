@@ -11,9 +11,11 @@ pub(crate) mod durability;
 pub mod input;
 pub(crate) mod json;
 pub mod names;
+mod panic_capture;
 mod record_error;
 
 pub use atomic::{OutputKind, check_replaceable, remove_partial};
 pub(crate) use atomic::{SESSION, if_present, is_abandoned, write_named};
 pub use durability::make_durable;
+pub(crate) use panic_capture::catch_panic;
 pub use record_error::RecordError;

@@ -2,6 +2,8 @@
 
 use std::fs;
 
+use stiction::results::compare::Results;
+
 use super::{Done, Place};
 
 /// Two runs of a block that slides.
@@ -243,4 +245,31 @@ fn damaged_lists_and_tables_are_refused() {
     place.write("short.csv", table.replacen(",passed,", ",", 1));
     let done = place.runner(&["compare", "short.csv", "results"]).exits(2);
     assert!(done.stderr.contains("short.csv: row 1: found "), "{}", done.stderr);
+}
+
+/// The library for tables panics at some damaged files; 1 % of these changes cause it.
+#[test]
+fn damaged_tables_are_read_or_refused() {
+    let place = Place::new();
+    place.block("s.toml", "[sweep]\nrepeat = 2\n");
+    place.runner(&["s.toml", "--no-log", "--set", "duration=0.01"]).exits(0);
+    let table = std::fs::read(place.path("results/summary.parquet")).unwrap();
+    let path = place.path("damaged.parquet");
+    let mut refused = 0;
+    for at in (4..table.len()).step_by(table.len() / 1500) {
+        let mut damaged = table.clone();
+        damaged[at] ^= 0xff;
+        std::fs::write(&path, &damaged).unwrap();
+        match Results::open(&path) {
+            Ok(mut results) => {
+                let mut row = results.blank_row();
+                (0..results.len()).for_each(|position| results.read(position, &mut row).unwrap());
+            }
+            Err(error) => {
+                assert!(error.to_string().contains("damaged.parquet: "), "{error}");
+                refused += 1;
+            }
+        }
+    }
+    assert!(refused > 500, "{refused}");
 }

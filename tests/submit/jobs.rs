@@ -48,7 +48,18 @@ fn the_engine_is_called_in_order_with_separate_arguments() {
     let site = Site::new();
     let chosen = ["--cpus", "4", "--time", "2:00:00", "--partition", "long", "--account", "lab", "--mem", "2G"];
     let more = ["--sbatch=--qos=low", "--sbatch", "--constraint=avx2"];
-    let run = ["--set", "gravty=[0, 0, -9.8]", "--filter", "seed == 1", "--no-log", "--timeout", "1.5", "--jobs", "3"];
+    let run = [
+        "--set",
+        "gravty=[0, 0, -9.8]",
+        "--filter",
+        "seed == 1",
+        "--no-log",
+        "--durable",
+        "--timeout",
+        "1.5",
+        "--jobs",
+        "3",
+    ];
     let options: Vec<&str> = [&["thrown.toml", "--strict"][..], &chosen, &more, &run].concat();
     let done = site.runner(&submit("sweep", "2", &options)).exits(2);
     assert!(done.stderr.contains("gravty"), "{}", done.stderr);
@@ -90,12 +101,15 @@ fn the_engine_is_called_in_order_with_separate_arguments() {
     let exec = array.lines().last().unwrap();
     let scenario = real(site.place.path("thrown.toml")).display().to_string();
     let end = format!(
-        "--no-log --timeout=1.5 '--set=gravity=[0, 0, -9.8]' '--filter=seed == 1' --strict {scenario} --shard env --resume \
+        "--no-log --durable --timeout=1.5 '--set=gravity=[0, 0, -9.8]' '--filter=seed == 1' --strict {scenario} --shard env --resume \
          --jobs 3 --output {folder}/part-\"$SLURM_ARRAY_TASK_ID\""
     );
     assert!(exec.starts_with(&format!("exec {} run ", env!("CARGO_BIN_EXE_runner"))) && exec.ends_with(&end), "{exec}");
     let merge = site.script("sweep", "merge.sbatch");
-    assert!(merge.ends_with(&format!(" merge {folder}/part-0 {folder}/part-1 --output {folder}/results\n")), "{merge}");
+    assert!(
+        merge.ends_with(&format!(" merge {folder}/part-0 {folder}/part-1 --durable --output {folder}/results\n")),
+        "{merge}"
+    );
     assert!(merge.contains("#SBATCH --partition=\"long\"") && !merge.contains("--array"), "{merge}");
     let jobs = site.jobs("sweep");
     assert_eq!((&jobs["array"], &jobs["merge"]), (&"41".into(), &"42".into()));

@@ -175,7 +175,7 @@ impl<'a> Dispatcher<'a> {
             self.failure.get_or_insert(error);
         }
         if finished.storage_full {
-            self.gate.close();
+            // The run's thread has closed the gate.
             self.failure.get_or_insert(RecordError::StorageFull { what: finished.row.message.clone() });
         } else if finished.row.outcome == Outcome::Error
             && let Err(source) = writable(&self.options.output)

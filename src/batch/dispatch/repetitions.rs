@@ -13,9 +13,9 @@ use crate::assemble::setup;
 use crate::batch::dispatch::cancellation::Gate;
 use crate::batch::dispatch::event::{Event, Work};
 use crate::batch::dispatch::workers::Drained;
-use crate::batch::run::panic_capture;
 use crate::batch::run::run_timer::{Clock, Lap};
 use crate::batch::{Cancellation, Job, Plan, Reason};
+use crate::files::catch_panic;
 use crate::script::interruptible;
 use crate::sim::{NullObserver, Outcome, RunError, Setup, Simulation};
 
@@ -34,7 +34,7 @@ pub(in crate::batch) fn repeat(plan: &Plan, runs: &[usize], gate: &Gate, events:
             let (work, job) = (Work::Repetition(index), plan.job(index));
             let at = Instant::now();
             let _ = events.send(Event::Started { work, job: None, at, cancellation: cancellation.clone() });
-            let lap = panic_capture::catch_panic(|| time(&job, &cancellation)).unwrap_or_else(Err);
+            let lap = catch_panic(|| time(&job, &cancellation)).unwrap_or_else(|panic| Err(RunError::internal(panic)));
             let _ = events.send(Event::Timed { index, lap });
         }
     }

@@ -5,12 +5,11 @@ use std::path::Path;
 use crate::batch::plan::input_hashes::input_hashes;
 use crate::batch::run::awaited_reference::AwaitedReference;
 use crate::batch::run::expectations::evaluate;
-use crate::batch::run::panic_capture;
 use crate::batch::run::plausibility::implausible;
 use crate::batch::run::run_end::RunEnd;
 use crate::batch::run::run_timer::Clock;
 use crate::batch::{Body, Cancellation, Finished, Job, Options, Reason, Role, RunOutputs, Track};
-use crate::files::{confined, names, remove_partial};
+use crate::files::{catch_panic, confined, names, remove_partial};
 use crate::results::{LogFingerprint, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError, metric};
 use crate::script::interruptible;
 use crate::sim::{Metrics, Outcome, Problems, RunError};
@@ -34,10 +33,8 @@ pub(in crate::batch) fn run(
     let outputs = outputs(job, options, &folder, against);
     let clock = Clock::start();
     let mut end = match &confined {
-        Ok(()) => panic_capture::catch_panic(|| {
-            interruptible(cancellation.shared(), || body(job, &outputs, cancellation.flag()))
-        })
-        .unwrap_or_else(|panic| RunEnd::error(panic.message)),
+        Ok(()) => catch_panic(|| interruptible(cancellation.shared(), || body(job, &outputs, cancellation.flag())))
+            .unwrap_or_else(RunEnd::error),
         // Its files cannot be written.
         Err(error) => RunEnd::error(error.to_string()),
     };

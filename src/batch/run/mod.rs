@@ -1,6 +1,6 @@
 //! One run from its job to its record.
 //!
-//! [`job_run`] calls [`simulate`] under [`panic_capture`], evaluates [`expectations`], checks
+//! [`job_run`] calls [`simulate`], turns a panic into an outcome, evaluates [`expectations`], checks
 //! [`plausibility`] and writes the record. [`outputs`] lists other files; [`live_clients`] observe.
 
 pub(in crate::batch) mod awaited_reference;
@@ -8,7 +8,6 @@ pub(in crate::batch) mod expectations;
 pub(in crate::batch) mod job_run;
 pub(in crate::batch) mod live_clients;
 pub(in crate::batch) mod outputs;
-pub(in crate::batch) mod panic_capture;
 pub(in crate::batch) mod plausibility;
 pub(in crate::batch) mod run_end;
 pub(in crate::batch) mod run_timer;

@@ -82,3 +82,22 @@ fn more(f: &mut Formatter<'_>, kept: usize, omitted: usize, what: &str) -> fmt::
         (n, _) => writeln!(f, "and {n} more {what}; --format json has the first {kept}"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::compare::Omitted;
+
+    #[test]
+    fn entries_beyond_the_lists_are_counted() {
+        let omitted = Omitted { only_in_a: 7, ..Omitted::default() };
+        let changes = Changes { only_in_a: vec!["run".into(); 60], omitted, ..Changes::default() };
+        let text = changes.to_string();
+        assert_eq!(text.matches("only in A: run\n").count(), MAX_LISTED);
+        assert!(text.contains("and 17 more runs; --format json has the first 60\n"), "{text}");
+        assert!(text.ends_with("67 runs missing\n") && !changes.is_within(), "{text}");
+        let json = serde_json::to_value(&changes).unwrap();
+        assert_eq!(json["omitted"]["only_in_a"], 7);
+        assert!(serde_json::to_value(Changes::default()).unwrap().get("omitted").is_none());
+    }
+}

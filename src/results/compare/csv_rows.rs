@@ -2,7 +2,7 @@
 //! are quoted, quotes in them doubled.
 
 use std::fs::File;
-use std::io::BufRead;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use crate::results::compare::columns::{Columns, RunDigest, digest};
@@ -18,13 +18,14 @@ pub(super) struct CsvRows {
 impl CsvRows {
     /// Opens a table and finds its rows.
     pub fn open(path: &Path) -> Opened {
-        let mut file = FileSpans::new(File::open(path)?);
+        let file = File::open(path)?;
+        let mut reader = BufReader::new(&file);
         let (mut at, mut record) = (0, Vec::new());
         let (mut rows, mut runs): (Vec<Span>, Vec<RunDigest>) = Default::default();
         let mut columns: Option<Columns> = None;
         loop {
             record.clear();
-            let length = read_record(file.reader(), &mut record)?;
+            let length = read_record(&mut reader, &mut record)?;
             if length == 0 {
                 break;
             }
@@ -56,8 +57,7 @@ impl CsvRows {
             runs.push(digest(own.iter().map(String::as_str)));
             rows.push(span);
         }
-        file.set_position(at);
-        Ok((columns.unwrap_or_default(), runs, Box::new(CsvRows { file, rows })))
+        Ok((columns.unwrap_or_default(), runs, Box::new(CsvRows { file: FileSpans::new(file)?, rows })))
     }
 }
 

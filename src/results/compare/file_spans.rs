@@ -1,7 +1,7 @@
 //! Reads parts of a file by their positions, without seeking where they follow each other.
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Read, Seek};
 
 /// Size of the buffer, bytes: some dozens of rows.
 const BUFFER: usize = 256 << 10;
@@ -21,20 +21,10 @@ pub(super) struct FileSpans {
 }
 
 impl FileSpans {
-    /// Reads from the beginning of a file.
-    pub fn new(file: File) -> Self {
-        Self { reader: BufReader::with_capacity(BUFFER, file), at: 0, bytes: Vec::new() }
-    }
-
-    /// Reads the file in order. To be called before [`FileSpans::read`], which continues where
-    /// `consume` ended, at a distance of `at` bytes from the beginning.
-    pub fn reader(&mut self) -> &mut BufReader<File> {
-        &mut self.reader
-    }
-
-    /// Sets the position to which the reader was read.
-    pub fn set_position(&mut self, at: u64) {
-        self.at = at;
+    /// Takes a file, which may have been read to any position.
+    pub fn new(mut file: File) -> std::io::Result<Self> {
+        file.rewind()?;
+        Ok(Self { reader: BufReader::with_capacity(BUFFER, file), at: 0, bytes: Vec::new() })
     }
 
     /// Reads a part.

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::fmt;
 use std::fs::File;
-use std::io::BufRead;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
@@ -30,14 +30,15 @@ struct Line {
 impl JsonRows {
     /// Opens a list, checks its lines and finds the last one of each run.
     pub fn open(path: &Path) -> Opened {
-        let mut file = FileSpans::new(File::open(path)?);
+        let file = File::open(path)?;
+        let mut reader = BufReader::new(&file);
         let (mut at, mut line, mut number) = (0, Vec::new(), 0);
         let mut columns = Columns::default();
         let (mut rows, mut runs): (Vec<Line>, Vec<RunDigest>) = Default::default();
         let mut known: HashMap<RunDigest, usize> = HashMap::new();
         loop {
             line.clear();
-            let read = file.reader().read_until(b'\n', &mut line)?;
+            let read = reader.read_until(b'\n', &mut line)?;
             if read == 0 {
                 break;
             }
@@ -65,8 +66,7 @@ impl JsonRows {
                 }
             }
         }
-        file.set_position(at);
-        Ok((columns, runs, Box::new(JsonRows { file, rows })))
+        Ok((columns, runs, Box::new(JsonRows { file: FileSpans::new(file)?, rows })))
     }
 }
 

@@ -1,20 +1,21 @@
 //! Rows of a Parquet table. The table has columns, so its rows are first written to a temporary
-//! file, some thousand at a time.
+//! file, some ten thousand at a time.
 
 use std::fs::File;
-use std::io::{BufWriter, Seek, SeekFrom, Write};
+use std::io::{BufWriter, Write};
 use std::path::Path;
 
 use polars::prelude::{AnyValue, DataFrame, PolarsError};
 use polars_io::SerReader;
-use polars_io::parquet::read::ParquetReader;
+use polars_io::parquet::read::{ParallelStrategy, ParquetReader};
 
+use crate::files::catch_panic;
 use crate::results::compare::columns::{Columns, RunDigest, digest};
 use crate::results::compare::file_spans::{FileSpans, Span};
 use crate::results::compare::row_source::{Opened, ResultsErrorCause, Rows};
 
 /// Rows that are in memory at a time.
-const SLICE: usize = 5_000;
+const SLICE: usize = 25_000;
 
 /// The rows of a table: for each cell the length of its text, 4 bytes, and the text.
 pub(super) struct ParquetRows {
@@ -23,8 +24,13 @@ pub(super) struct ParquetRows {
 }
 
 impl ParquetRows {
-    /// Reads a table.
+    /// Reads a table. The library panics at some damaged files.
     pub fn open(path: &Path) -> Opened {
+        let read = catch_panic(|| Self::read_table(path));
+        read.unwrap_or_else(|panic| Err(ResultsErrorCause::DamagedTable(panic)))
+    }
+
+    fn read_table(path: &Path) -> Opened {
         let schema = ParquetReader::new(File::open(path)?).schema()?;
         let columns = Columns::new(schema.iter_names().map(ToString::to_string));
         let height = ParquetReader::new(File::open(path)?).num_rows()?;
@@ -34,7 +40,12 @@ impl ParquetRows {
         let identity = ["scenario", "key"].map(|name| columns.position(name));
         for begin in (0..height).step_by(SLICE) {
             let slice = (begin, SLICE.min(height - begin));
-            let frame = ParquetReader::new(File::open(path)?).with_slice(Some(slice)).finish()?;
+            // On this thread, where a panic is caught.
+            let reader = ParquetReader::new(File::open(path)?).read_parallel(ParallelStrategy::None);
+            let frame = reader.with_slice(Some(slice)).finish()?;
+            if frame.height() != slice.1 {
+                return Err(ResultsErrorCause::DamagedTable(format!("it has fewer rows than it states, {height}")));
+            }
             for row in 0..frame.height() {
                 let mut length = 0;
                 for (column, cell) in cells.iter_mut().enumerate() {
@@ -48,9 +59,8 @@ impl ParquetRows {
                 runs.push(digest(identity.map(|position| position.map_or("", |position| cells[position].as_str()))));
             }
         }
-        let mut spool = out.into_inner().map_err(std::io::IntoInnerError::into_error)?;
-        spool.seek(SeekFrom::Start(0))?;
-        Ok((columns, runs, Box::new(ParquetRows { file: FileSpans::new(spool), rows })))
+        let file = FileSpans::new(out.into_inner().map_err(std::io::IntoInnerError::into_error)?)?;
+        Ok((columns, runs, Box::new(ParquetRows { file, rows })))
     }
 }
 

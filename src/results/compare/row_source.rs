@@ -35,6 +35,9 @@ pub enum ResultsErrorCause {
     /// A damaged table.
     #[error(transparent)]
     Table(#[from] PolarsError),
+    /// A table that the library for tables cannot read.
+    #[error("damaged: {0}")]
+    DamagedTable(String),
     /// A row of a table with too few or too many cells.
     #[error("row {row}: found {found} cells, expected {expected}, as in the header")]
     Cells {

@@ -1,20 +1,19 @@
-//! Turns a panic in a run into that run's outcome, without output on the terminal.
+//! Turns a panic of a run, or of a library that reads a damaged file, into an error, without output
+//! on the terminal.
 
 use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, PanicHookInfo, catch_unwind, set_hook, take_hook};
 use std::sync::Once;
-
-use crate::sim::RunError;
 
 thread_local! {
     static CATCHING: Cell<bool> = const { Cell::new(false) };
     static CAUGHT: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// Calls `f` and returns a panic as its message and location. Panics elsewhere print as usual.
+/// Calls `f` and returns a panic as text: its message and location. Panics elsewhere print as usual.
 ///
 /// After a panic, data of `f` is only dropped, so its invariants may be broken.
-pub(in crate::batch) fn catch_panic<T>(f: impl FnOnce() -> T) -> Result<T, RunError> {
+pub(crate) fn catch_panic<T>(f: impl FnOnce() -> T) -> Result<T, String> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
         let default_hook = take_hook();
@@ -23,7 +22,7 @@ pub(in crate::batch) fn catch_panic<T>(f: impl FnOnce() -> T) -> Result<T, RunEr
     let outer = CATCHING.replace(true);
     let result = catch_unwind(AssertUnwindSafe(f));
     CATCHING.set(outer);
-    result.map_err(|_| RunError::internal(CAUGHT.take().unwrap_or_else(|| "panicked".into())))
+    result.map_err(|_| CAUGHT.take().unwrap_or_else(|| "panicked".into()))
 }
 
 fn record_panic(info: &PanicHookInfo) {
@@ -40,9 +39,9 @@ mod tests {
     #[test]
     fn a_panic_becomes_a_message_and_a_location() {
         let number = "x".parse::<u8>();
-        let caught = catch_panic(|| number.clone().expect("a number")).unwrap_err().message;
+        let caught = catch_panic(|| number.clone().expect("a number")).unwrap_err();
         assert!(caught.starts_with("panic: a number: ParseIntError"), "{caught}");
-        assert!(caught.contains(" at src/batch/run/panic_capture.rs:"), "{caught}");
+        assert!(caught.contains(" at src/files/panic_capture.rs:"), "{caught}");
         assert_eq!(catch_panic(|| 3), Ok(3), "the next call is not affected");
     }
 }
