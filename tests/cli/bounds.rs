@@ -59,14 +59,14 @@ fn a_reference_that_does_not_fit_into_memory_is_refused() {
 #[test]
 fn a_time_limit_holds_between_logged_instants() {
     let place = Place::new();
-    // All of it is a single step of the integrator, and a log of some 500 MB.
-    place.block("s.toml", "[log]\nrate = 2e6\n[integrator]\nmax_step = 1.0\n");
-    place.runner(&["s.toml", "--set", "duration=1", "--timeout", "0.01"]).exits(3);
+    // The first step, of 1 ms, has 500 000 instants: some seconds, and a log of 72 MB.
+    place.block("s.toml", "[log]\nrate = 5e8\n");
+    place.runner(&["s.toml", "--set", "duration=0.1", "--timeout", "0.01"]).exits(3);
     assert_eq!(place.summary("results").column("outcome"), ["timed-out"]);
     let key = place.summary("results").column("key")[0].to_owned();
     let log = place.path("results/s").join(key).join("log.mcap").metadata().unwrap().len();
-    // 10 ms of writing and the delay of the cancellation: some MB.
-    assert!(log < 100_000_000, "{log} bytes");
+    // 10 ms of writing, 1 MB, and what the delay of the cancellation adds on a busy machine.
+    assert!(log < 30_000_000, "{log} bytes");
 }
 
 /// A scenario of the block with this script as a force.
