@@ -6,6 +6,12 @@ use mlua::{Lua, Table, Value};
 use nalgebra::{Isometry3, Point3, Vector3};
 use std::collections::HashMap;
 
+/// Greatest number of forces that one call may return.
+pub const MAX_FORCES: usize = 4096;
+
+/// Bytes of a script's string that an error message shows.
+const SHOWN: usize = 200;
+
 /// A force or effort returned by a force model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ForceEntry {
@@ -89,12 +95,23 @@ fn plain(lua: &Lua, value: &toml::Value) -> mlua::Result<Value> {
 /// A value as shown in error messages.
 pub(super) fn describe(value: &Value) -> String {
     match value {
-        Value::String(text) => format!("{:?}", text.to_string_lossy()),
+        Value::String(text) => quoted(text),
         Value::Number(x) => x.to_string(),
         Value::Integer(n) => n.to_string(),
         Value::Boolean(yes) => yes.to_string(),
         Value::Nil => "nil".into(),
         other => format!("a {}", other.type_name()),
+    }
+}
+
+/// A string in quotes, cut if it is long.
+fn quoted(text: &mlua::LuaString) -> String {
+    let bytes = text.as_bytes();
+    match bytes.get(..SHOWN) {
+        Some(begin) if bytes.len() > SHOWN => {
+            format!("{:?}... ({} bytes)", String::from_utf8_lossy(begin), bytes.len())
+        }
+        _ => format!("{:?}", String::from_utf8_lossy(&bytes)),
     }
 }
 
@@ -113,6 +130,8 @@ pub(super) enum ReturnError {
     NotAList(String),
     #[error("`run` must return a list of forces: {{ {{ link = .., force = .. }} }}")]
     NoEntries,
+    #[error("`run` returned {0} forces, at most {MAX_FORCES} are allowed")]
+    TooMany(usize),
     #[error("force {0} must be a table, not {1}")]
     NotATable(usize, String),
     #[error("force {0}: {1}")]
@@ -128,7 +147,7 @@ pub(super) enum EntryError {
     UnknownKey(String),
     #[error("the robot has no joint {0}")]
     UnknownJoint(String),
-    #[error("the robot has no link {0:?}")]
+    #[error("the robot has no link {0}")]
     UnknownLink(String),
     #[error("needs `link`, the name of a link, or `joint`; `link` is {0}")]
     LinkMissing(String),
@@ -149,7 +168,11 @@ pub(super) fn read_forces(value: Value, names: &RobotNames, forces: &mut Vec<For
         Value::Table(list) => list,
         other => return Err(ReturnError::NotAList(describe(other))),
     };
-    for (i, entry) in list.sequence_values::<Value>().enumerate() {
+    let length = list.raw_len();
+    if length > MAX_FORCES {
+        return Err(ReturnError::TooMany(length));
+    }
+    for (i, entry) in list.sequence_values::<Value>().take(MAX_FORCES).enumerate() {
         match entry? {
             Value::Table(entry) => {
                 forces.push(read_force(&entry, names).map_err(|e| ReturnError::Entry(i + 1, e))?);
@@ -186,7 +209,7 @@ fn read_force(entry: &Table, names: &RobotNames) -> Result<ForceEntry, EntryErro
     let link = get("link")?;
     let name = link.as_string().ok_or_else(|| EntryError::LinkMissing(describe(&link)))?;
     let found = name.to_str().ok().and_then(|name| names.links.get(&*name));
-    let (id, frame) = found.ok_or_else(|| EntryError::UnknownLink(name.to_string_lossy()))?;
+    let (id, frame) = found.ok_or_else(|| EntryError::UnknownLink(quoted(name)))?;
     let in_link_axes = match get("frame")? {
         Value::Nil => false,
         Value::String(word) if word.as_bytes() == b"world" => false,

@@ -11,13 +11,15 @@
 
 mod convert;
 pub mod fields;
+mod global_lists;
 mod interruption;
 mod sandbox;
 mod script_error;
 pub mod script_force;
 pub mod script_task;
 
-pub use convert::{ForceEntry, RobotNames};
+pub use convert::{ForceEntry, MAX_FORCES, RobotNames};
+pub use global_lists::{MAX_NAME, MAX_POINTS};
 pub(crate) use interruption::flag as interruption_flag;
 pub use interruption::{interruptible, time_limited};
 pub use sandbox::{BUDGET, BYTES, MEMORY};
@@ -27,6 +29,7 @@ use crate::random::Stream;
 use crate::robot::{DriveMode, LinkId, Model};
 use crate::task::{Command, Needs, PointOfInterest};
 use fields::{Field, PARTS, Shape, TaskView, View};
+use global_lists::string_list;
 use mlua::{Buffer, Function, Table, Value};
 use nalgebra::{Isometry3, Vector3};
 use sandbox::Sandbox;
@@ -41,6 +44,9 @@ const MODES: [(&str, DriveMode); 5] = [
     ("kinematic", DriveMode::Kinematic),
     ("passive", DriveMode::Passive),
 ];
+
+/// Greatest number of tables in the globals of a force, which are all made read-only.
+pub const MAX_TABLES: usize = 100_000;
 
 /// Values given to a script by the scenario.
 pub type Params = toml::Table;
@@ -115,7 +121,7 @@ impl Script {
         layout.set("points", names).and_then(|()| layout.set("shown", &shown)).map_err(to_error)?;
         sandbox.call::<()>(&exports.get("build").map_err(to_error)?, layout)?;
         let globals = sandbox.lua.globals();
-        let function = |name: &str| match globals.get::<Value>(name).map_err(to_error)? {
+        let function = |name: &str| match globals.raw_get::<Value>(name).map_err(to_error)? {
             Value::Function(f) => Ok(Some(f)),
             Value::Nil => Ok(None),
             other => Err(ScriptError::new(
@@ -147,7 +153,7 @@ impl Script {
             filled,
             locked: Vec::new(),
         };
-        script.lock_globals();
+        script.lock_globals()?;
         Ok(script)
     }
 
@@ -184,7 +190,7 @@ impl Script {
         self.locked.drain(..).for_each(|table| table.set_readonly(false));
         let params = convert::params(&self.sandbox.lua, params).map_err(|e| self.sandbox.error(&e))?;
         let result: Value = self.sandbox.call(&function, (self.robot.clone(), params))?;
-        self.lock_globals();
+        self.lock_globals()?;
         self.should_continue(&function, result)
     }
 
@@ -232,12 +238,18 @@ impl Script {
 
     /// Forces are functions of time and state: between corners globals and all tables in them are
     /// read-only.
-    fn lock_globals(&mut self) {
+    fn lock_globals(&mut self) -> Result<(), ScriptError> {
         if self.purpose == Purpose::Force {
-            self.locked = reachable_tables([self.sandbox.lua.globals()]);
+            let tables = reachable_tables([self.sandbox.lua.globals()], MAX_TABLES);
+            self.locked = tables.ok_or_else(|| {
+                let message =
+                    format!("its globals hold more than {MAX_TABLES} tables, the greatest number for a force");
+                ScriptError::new(&self.file, None, message)
+            })?;
             self.locked.retain(|table| !table.is_readonly());
             self.locked.iter().for_each(|table| table.set_readonly(true));
         }
+        Ok(())
     }
 
     /// Updates the table `robot`.
@@ -292,7 +304,7 @@ impl Script {
 
 /// The points of a task's list `points`; none is shown yet.
 fn points(sandbox: &Sandbox, file: &str, purpose: Purpose) -> Result<Vec<PointOfInterest>, ScriptError> {
-    let names = string_list(sandbox, file, "points")?;
+    let names = string_list(sandbox, file, "points", MAX_POINTS, "the greatest number of points")?;
     if purpose == Purpose::Force && !names.is_empty() {
         return Err(ScriptError::new(file, None, "a force cannot have `points`: only tasks show points"));
     }
@@ -314,7 +326,7 @@ fn requested_data(
     let task = purpose == Purpose::Task;
     let parts = || PARTS.iter().filter(|(name, _)| task || *name == "com");
     let mut needs = Needs::NONE;
-    for need in string_list(sandbox, file, "needs")? {
+    for need in string_list(sandbox, file, "needs", PARTS.len(), "the number of parts")? {
         let Some((_, part)) = parts().find(|(name, _)| *name == need) else {
             let help = crate::text::suggest(&need, parts().map(|(name, _)| *name).collect::<Vec<_>>());
             return Err(to_error(format!("`needs` has no part \"{need}\"; {help}")));
@@ -328,7 +340,7 @@ fn requested_data(
     } else if needs.contains(Needs::COM) {
         fields.extend(fields::com_fields());
     }
-    for name in string_list(sandbox, file, "links")? {
+    for name in string_list(sandbox, file, "links", links(model).count(), "the number of the robot's links")? {
         let Some((link, frame)) = model.link(&name) else {
             let help = crate::text::suggest(&name, links(model).map(|(name, ..)| name).collect::<Vec<_>>());
             return Err(to_error(format!("`links`: the robot `{}` has no link \"{name}\"; {help}", model.name)));
@@ -339,30 +351,23 @@ fn requested_data(
     Ok((needs, fields))
 }
 
-/// A global list of strings; nil counts as empty.
-fn string_list(sandbox: &Sandbox, file: &str, list: &str) -> Result<Vec<String>, ScriptError> {
-    let value: Value = sandbox.lua.globals().get(list).map_err(|e| sandbox.error(&e))?;
-    let shape = || ScriptError::new(file, None, format!("`{list}` must be a list of strings"));
-    match value {
-        Value::Nil => Ok(Vec::new()),
-        Value::Table(table) => table.sequence_values().collect::<Result<_, _>>().map_err(|_| shape()),
-        _ => Err(shape()),
-    }
-}
-
-/// All tables reachable from `roots`, the roots included.
-fn reachable_tables(roots: impl IntoIterator<Item = Table>) -> Vec<Table> {
+/// All tables reachable from `roots`, the roots included; none if there are more than `max`. A
+/// table that is reached twice takes no more memory.
+fn reachable_tables(roots: impl IntoIterator<Item = Table>, max: usize) -> Option<Vec<Table>> {
     let (mut found, mut known) = (Vec::new(), HashSet::new());
-    let mut pending: Vec<Table> = roots.into_iter().collect();
+    let mut pending: Vec<Table> = roots.into_iter().filter(|table| known.insert(table.to_pointer())).collect();
     while let Some(table) = pending.pop() {
-        if known.insert(table.to_pointer()) {
-            for (key, value) in table.pairs::<Value, Value>().flatten() {
-                pending.extend([key, value].into_iter().filter_map(|v| v.as_table().cloned()));
+        for (key, value) in table.pairs::<Value, Value>().flatten() {
+            for entry in [key, value] {
+                pending.extend(entry.as_table().filter(|table| known.insert(table.to_pointer())).cloned());
             }
-            found.push(table);
+            if known.len() > max {
+                return None;
+            }
         }
+        found.push(table);
     }
-    found
+    Some(found)
 }
 
 /// Makes the table `robot` read-only to the script; returns the tables to unlock for an update. The
@@ -379,7 +384,9 @@ fn lock_robot(exports: &Table) -> mlua::Result<Vec<Table>> {
     filled.retain(is_locked);
     filled.sort_by_key(Table::to_pointer);
     filled.dedup_by_key(|table| table.to_pointer());
-    reachable_tables([robot, rows]).iter().filter(|t| is_locked(t)).for_each(|table| table.set_readonly(true));
+    // The prelude made these tables, so their number follows from the robot.
+    let tables = reachable_tables([robot, rows], usize::MAX).unwrap_or_default();
+    tables.iter().filter(|t| is_locked(t)).for_each(|table| table.set_readonly(true));
     Ok(filled)
 }
 

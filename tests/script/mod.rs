@@ -1,6 +1,7 @@
 //! Scripts: their inputs, their effects, and their limits.
 
 mod abuse;
+mod bounds;
 mod files;
 mod forces;
 mod points;
