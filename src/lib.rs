@@ -21,6 +21,7 @@
 //!
 //! The other modules of the crate belong to the program and may change at any time.
 
+#![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 // Modules of the program. They are public for `runner`, tests and benches, but are not part of the

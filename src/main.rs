@@ -1,5 +1,7 @@
 //! `runner`: simulates scenarios of legged-robot contact and writes logs, verdicts and a summary.
 
+#![forbid(unsafe_code)]
+
 mod cli;
 
 use clap::CommandFactory;
