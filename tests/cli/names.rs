@@ -63,3 +63,15 @@ fn errors_in_files_with_such_names_are_escaped() {
     let stderr = place.runner(&["merge", &a, &b, "-o", "merged"]).exits(2).stderr;
     assert!(!stderr.contains('\u{1b}'), "{stderr:?}");
 }
+
+#[test]
+fn control_characters_of_foreign_results_do_not_reach_the_terminal() {
+    let place = Place::new();
+    let row =
+        |outcome: &str| format!("{{\"scenario\":\"s\",\"key\":\"k\",\"outcome\":\"{outcome}\",\"c\\u001b[2J\":1}}\n");
+    place.write("a.jsonl", row("passed")).write("b.jsonl", row("f\\u001b]0;title\\u0007"));
+    let done = place.runner(&["compare", "a.jsonl", "b.jsonl"]).exits(1);
+    assert!(done.stdout.contains("f\\u{1b}]0;title\\u{7}"), "{}", done.stdout);
+    let control = |text: &str| text.chars().any(|c| c.is_control() && c != '\n');
+    assert!(!control(&done.stdout) && !control(&done.stderr), "{:?}", done.stdout);
+}

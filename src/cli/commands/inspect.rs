@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use stiction::collision::{self, CollisionModel};
 use stiction::robot::{self, InertiaPolicy};
+use stiction::text::visible::visible_lines;
 
 use crate::cli::{Exit, colour, terminal};
 
@@ -27,9 +28,9 @@ impl Inspect {
             terminal::complain_drawn(&error.render(colour::on_stderr()));
             Exit::Invalid
         })?;
-        terminal::print(&robot::inspect(&robot))?;
+        terminal::print(&visible_lines(&robot::inspect(&robot)))?;
         let bodies = CollisionModel::new(&robot.model, &robot.self_collision);
-        terminal::print(&collision::inspect(&bodies))?;
+        terminal::print(&visible_lines(&collision::inspect(&bodies)))?;
         Ok(Exit::Success)
     }
 }

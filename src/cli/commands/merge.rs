@@ -9,7 +9,7 @@ use stiction::files::{make_durable, names};
 use stiction::report::write_report_of_found;
 use stiction::results::merge::{MergeError, Merged, Shards};
 use stiction::results::{endings, overview};
-use stiction::text::visible::visible_path;
+use stiction::text::visible::{visible_lines, visible_path};
 
 use crate::cli::Exit;
 use crate::cli::exit::Ending;
@@ -57,7 +57,7 @@ impl Merge {
         let page = self.output.join(names::REPORT);
         let runs = (merged.runs.as_slice(), &merged.statistics);
         write_report_of_found(&page, &self.output, runs, &merged.references).map_err(|error| refused(error.into()))?;
-        print(&summary(&merged, &page))?;
+        print(&visible_lines(&summary(&merged, &page)))?;
         Ok(Exit::of_ending(Ending { interrupted: None, unfinished: merged.unfinished > 0, failed: merged.failed > 0 }))
     }
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use clap::Args;
 use stiction::batch::{BatchError, Interrupter, Severity};
 use stiction::replay::{self, InputChange, RecordedRun, ReplayError};
-use stiction::text::visible::visible;
+use stiction::text::visible::{visible, visible_lines};
 
 use crate::cli::Exit;
 use crate::cli::arguments::numbers;
@@ -111,7 +111,7 @@ impl Replay {
             [] => format!("{name}: same values despite the changes ({files})\n"),
             all => all.iter().fold(format!("{name}: differs\n"), |lines, one| format!("{lines}  {one}\n")),
         };
-        print(&text)?;
+        print(&visible_lines(&text))?;
         Ok(differences.is_empty())
     }
 }

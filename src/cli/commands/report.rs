@@ -7,7 +7,7 @@ use stiction::files::{OutputKind, RecordError, check_replaceable, names, remove_
 use stiction::report::{Pictured, found_runs, write_report_of};
 use stiction::results::pareto::{Work, pareto_table};
 use stiction::results::{FoundRun, Listing, SampledRuns, SummaryRow, list_records, write_summary_of};
-use stiction::text::visible::visible_path;
+use stiction::text::visible::{visible_lines, visible_path};
 
 use crate::cli::Exit;
 use crate::cli::terminal::{complain, complain_of, plural, print, width};
@@ -61,7 +61,7 @@ impl Report {
         let air = if accuracy.is_empty() { "" } else { "\n" };
         let written: Vec<String> =
             [&files.csv, &files.parquet, &page].iter().map(|path| format!("  {}\n", visible_path(path))).collect();
-        print(&format!("{accuracy}{air}written:\n{}", written.concat()))?;
+        print(&format!("{}{air}written:\n{}", visible_lines(&accuracy), written.concat()))?;
         Ok(Exit::Success)
     }
 

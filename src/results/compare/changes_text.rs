@@ -19,16 +19,16 @@ impl Display for Changes {
             more(f, rows.len(), omitted, "runs")?;
         }
         for change in self.outcomes.iter().take(MAX_LISTED) {
-            writeln!(f, "outcome: {}: {} in A, {} in B", visible(&change.run), change.a, change.b)?;
+            writeln!(f, "outcome: {}: {} in A, {} in B", visible(&change.run), visible(&change.a), visible(&change.b))?;
         }
         more(f, self.outcomes.len(), omitted.outcomes, "outcomes")?;
         if !self.beyond.is_empty() {
             let header = ["beyond", "run", "A", "B", "distance", "allowed"];
             let lines = self.beyond.iter().take(MAX_LISTED).map(|d| {
-                let cell = |text: &str| if text.is_empty() { "-".to_owned() } else { text.to_owned() };
+                let cell = |text: &str| if text.is_empty() { "-".to_owned() } else { visible(text).into_owned() };
                 let distance = d.distance.map_or("-".to_owned(), |x| format!("{x:.2e}"));
                 vec![
-                    d.column.clone(),
+                    visible(&d.column).into_owned(),
                     visible(&d.run).into_owned(),
                     cell(&d.a),
                     cell(&d.b),
@@ -44,12 +44,12 @@ impl Display for Changes {
             let lines = self.columns.iter().map(|c| {
                 let short = |x: f64| format!("{x:.2e}");
                 let (differ, beyond) = (c.differ.to_string(), c.beyond.to_string());
-                vec![c.column.clone(), differ, beyond, short(c.greatest), short(c.greatest_relative)]
+                vec![visible(&c.column).into_owned(), differ, beyond, short(c.greatest), short(c.greatest_relative)]
             });
             write!(f, "\n{}\n", aligned(&header, lines))?;
         }
         if !self.columns_in_one.is_empty() {
-            writeln!(f, "not compared, in one of them only: {}", self.columns_in_one.join(", "))?;
+            writeln!(f, "not compared, in one of them only: {}", visible(&self.columns_in_one.join(", ")))?;
         }
         let by_key = match self.matched_by_key {
             n if n == self.matched => String::new(),

@@ -5,6 +5,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::time::Duration;
 
 use stiction::console::{ConsoleError, Session};
+use stiction::text::visible::visible_lines;
 
 use super::{Interruption, exit_of};
 use crate::cli::terminal::{complain, complain_drawn, complain_of, print};
@@ -91,7 +92,7 @@ pub fn execute_lines(
 /// Executes a line and waits for its end.
 fn execute_line(session: &mut Session, line: &str, stop: &Interruption) -> Result<Result<(), ConsoleError>, Exit> {
     match session.execute(line) {
-        Ok(output) => print(&output)?,
+        Ok(output) => print(&visible_lines(&output))?,
         Err(error) => return Ok(Err(error)),
     }
     while let Some(due) = session.due() {
@@ -104,7 +105,7 @@ fn execute_line(session: &mut Session, line: &str, stop: &Interruption) -> Resul
         }
         let mut output = String::new();
         let worked = session.work(&mut |text| output += text);
-        print(&output)?;
+        print(&visible_lines(&output))?;
         if let Err(error) = worked {
             if let Some(exit) = stop.exit() {
                 complain("interrupted");

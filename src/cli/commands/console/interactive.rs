@@ -10,6 +10,7 @@ use rustyline::error::ReadlineError;
 use rustyline::history::FileHistory;
 use rustyline::{Config, Context, Editor, ExternalPrinter, Helper};
 use stiction::console::{Names, Session, complete};
+use stiction::text::visible::visible_lines;
 
 use super::{Interruption, exit_of, worse};
 use crate::cli::terminal::{complain, complain_of};
@@ -81,7 +82,7 @@ pub fn execute_lines(session: &mut Session, stop: &Interruption) -> Result<Exit,
     complain("`help` lists the commands; Ctrl-C holds, Ctrl-D ends");
     let mut end = Exit::Success;
     let mut show = |text: &str| {
-        if !text.is_empty() && printer.print(text.to_owned()).is_err() {
+        if !text.is_empty() && printer.print(visible_lines(text)).is_err() {
             complain(text.trim_end());
         }
     };
