@@ -88,6 +88,8 @@ pub mod task;
 pub mod text;
 #[cfg_attr(doc, doc(hidden))]
 pub mod view;
+#[cfg_attr(doc, doc(hidden))]
+pub mod web;
 
 /// Types of the fields of [`Setup`].
 pub mod setup {

@@ -9,8 +9,9 @@
 //! hosts. It draws with three.js; `page/three.min.js` has the parts that it needs (see
 //! `page/three/`).
 //!
-//! Imports: `files`, `log`, `results`. Used by: `cli`.
+//! Imports: `files`, `web`, `log`, `results`. Used by: `cli`.
 
+mod connections;
 mod drawn_run;
 mod http;
 mod packed_run;
@@ -20,6 +21,7 @@ mod view_server;
 mod viewable_runs;
 mod viewer_page;
 
+pub use connections::ConnectionLimits;
 pub use drawn_run::DrawnRun;
 pub use packed_run::{PackedRun, pack};
 pub use view_error::ViewError;

@@ -1,31 +1,32 @@
 //! Serves pages of runs to browsers on this machine only.
 //!
-//! The server listens on the loopback address and answers a request only if its `Host` names that
-//! address, against pages of other hosts that resolve their name to it (DNS rebinding). Targets are
-//! numbers of runs, so no request names a file.
+//! The server listens on the loopback address and answers a request only if [`LocalAccess`] permits
+//! it, against pages of other sites. Targets are numbers of runs, so no request names a file.
+//! [`Connections`] bounds the time and number of connections.
 
+use crate::view::connections::{Connection, ConnectionLimits, Connections};
 use crate::view::drawn_run::DrawnRun;
-use crate::view::http::{self, Request, Response};
+use crate::view::http::{self, Response};
 use crate::view::packed_run::pack;
 use crate::view::run_list_page;
-use crate::view::viewable_runs::ViewableRuns;
+use crate::view::viewable_runs::{ViewableRun, ViewableRuns};
 use crate::view::viewer_page::served_page;
+use crate::web::{LocalAccess, RequestHead};
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Time-out of reading and writing.
-const TIMEOUT: Duration = Duration::from_secs(10);
-/// Largest number of concurrent connections; browsers open six.
-const MAX_CONNECTIONS: usize = 16;
+/// Wait after the system refused a connection or a thread, as when files run out.
+const BUSY: Duration = Duration::from_millis(20);
 
 /// The server of the viewer.
 pub struct ViewServer {
     listener: TcpListener,
     address: SocketAddr,
     pages: Arc<Pages>,
+    limits: ConnectionLimits,
     stopped: Arc<AtomicBool>,
 }
 
@@ -39,7 +40,15 @@ pub struct ServerStopper {
 struct Pages {
     runs: ViewableRuns,
     rate: Option<f64>,
-    hosts: [String; 2],
+    access: LocalAccess,
+    address: SocketAddr,
+}
+
+/// Content of a response.
+enum Page<'a> {
+    Ready(Response),
+    /// The data of a run, which take long to read.
+    Data(&'a ViewableRun),
 }
 
 impl ViewServer {
@@ -51,8 +60,14 @@ impl ViewServer {
     pub fn new(runs: ViewableRuns, rate: Option<f64>, port: u16) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port))?;
         let address = listener.local_addr()?;
-        let hosts = ["127.0.0.1", "localhost"].map(|name| format!("{name}:{}", address.port()));
-        Ok(Self { listener, address, pages: Arc::new(Pages { runs, rate, hosts }), stopped: Arc::default() })
+        let access = LocalAccess { port: Some(address.port()), ..LocalAccess::default() };
+        let pages = Arc::new(Pages { runs, rate, access, address });
+        Ok(Self { listener, address, pages, limits: ConnectionLimits::default(), stopped: Arc::default() })
+    }
+
+    /// Sets the limits of its connections.
+    pub fn with_limits(self, limits: ConnectionLimits) -> Self {
+        Self { limits, ..self }
     }
 
     /// Its address.
@@ -67,23 +82,24 @@ impl ViewServer {
 
     /// Answers requests until it is stopped.
     pub fn run(self) {
-        let busy = Arc::new(AtomicUsize::new(0));
+        let connections = Connections::new(self.limits);
         for stream in self.listener.incoming() {
             if self.stopped.load(Ordering::SeqCst) {
                 break;
             }
             // The browser repeats the request of a connection that broke or is refused.
-            let Ok(stream) = stream else { continue };
-            if busy.fetch_add(1, Ordering::SeqCst) >= MAX_CONNECTIONS {
-                busy.fetch_sub(1, Ordering::SeqCst);
+            let Ok(stream) = stream else {
+                std::thread::sleep(BUSY);
                 continue;
-            }
-            let (pages, busy) = (self.pages.clone(), busy.clone());
-            std::thread::spawn(move || {
+            };
+            let (pages, mut connection) = (self.pages.clone(), connections.add(stream));
+            let answering = std::thread::Builder::new().spawn(move || {
                 // A closed connection needs no further answer.
-                let _ = answer(&pages, &stream);
-                busy.fetch_sub(1, Ordering::SeqCst);
+                let _ = pages.serve(&mut connection);
             });
+            if answering.is_err() {
+                std::thread::sleep(BUSY);
+            }
         }
     }
 }
@@ -97,41 +113,59 @@ impl ServerStopper {
     }
 }
 
-fn answer(pages: &Pages, stream: &TcpStream) -> io::Result<()> {
-    stream.set_read_timeout(Some(TIMEOUT))?;
-    stream.set_write_timeout(Some(TIMEOUT))?;
-    match http::read(stream) {
-        Ok(request) => pages.answer(&request).write(request.head_only, stream),
-        Err(Some(refusal)) => refusal.write(false, stream),
-        Err(None) => Ok(()),
-    }
-}
-
 impl Pages {
-    fn answer(&self, request: &Request) -> Response {
-        if !request.host.as_ref().is_some_and(|host| self.hosts.iter().any(|h| h.eq_ignore_ascii_case(host))) {
-            return Response::refusal(403, format!("this server answers requests to {} only", self.hosts[0]));
+    fn serve(&self, connection: &mut Connection) -> io::Result<()> {
+        let request = match http::read(&mut *connection) {
+            Ok(request) => request,
+            Err(refusal) => {
+                connection.begin_response();
+                return refusal.map_or(Ok(()), |refusal| refusal.write(false, connection));
+            }
+        };
+        let head_only = request.method == "HEAD";
+        match self.answer(&request) {
+            Page::Ready(response) => {
+                connection.begin_response();
+                response.write(head_only, connection)
+            }
+            Page::Data(run) => {
+                if !connection.begin_transfer() {
+                    return Ok(());
+                }
+                let response = match DrawnRun::read(&run.log) {
+                    Ok(run) => Response::bytes(pack(&run, self.rate).0),
+                    Err(error) => Response::refusal(500, error.to_string()),
+                };
+                connection.begin_sending();
+                response.write(head_only, connection)
+            }
+        }
+    }
+
+    fn answer(&self, request: &RequestHead) -> Page<'_> {
+        if self.access.check(request).is_err() {
+            return Page::Ready(Response::refusal(
+                403,
+                format!("this server answers requests to {} and from its own pages only", self.address),
+            ));
         }
         let path = request.target.split(['?', '#']).next().unwrap_or_default();
         let all = self.runs.runs();
         if path == "/" {
-            return match all {
+            return Page::Ready(match all {
                 [_] => Response::redirect("/run/0/"),
                 _ => Response::page(run_list_page::page(&self.runs)),
-            };
+            });
         }
         let Some((number, rest)) = path.strip_prefix("/run/").and_then(|below| below.split_once('/')) else {
-            return Response::refusal(404, "there is no such page");
+            return Page::Ready(Response::refusal(404, "there is no such page"));
         };
         let digits = !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit());
         let run = number.parse().ok().filter(|_| digits).and_then(|n: usize| all.get(n));
         match (run, rest) {
-            (Some(run), "") => Response::page(served_page(&run.title(), all.len() > 1)),
-            (Some(run), "data") => match DrawnRun::read(&run.log) {
-                Ok(run) => Response::bytes(pack(&run, self.rate).0),
-                Err(error) => Response::refusal(500, error.to_string()),
-            },
-            _ => Response::refusal(404, "there is no such page"),
+            (Some(run), "") => Page::Ready(Response::page(served_page(&run.title(), all.len() > 1))),
+            (Some(run), "data") => Page::Data(run),
+            _ => Page::Ready(Response::refusal(404, "there is no such page")),
         }
     }
 }

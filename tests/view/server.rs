@@ -4,8 +4,9 @@ use crate::record::sample;
 use std::io::{Read, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 use stiction::log::TopicGroups;
-use stiction::view::{DrawnRun, ServerStopper, ViewServer, ViewableRuns, pack};
+use stiction::view::{ConnectionLimits, DrawnRun, ServerStopper, ViewServer, ViewableRuns, pack};
 use tempfile::TempDir;
 
 struct Serving {
@@ -24,12 +25,16 @@ struct Response {
 impl Serving {
     /// Serves one log.
     fn start(topics: TopicGroups) -> Self {
+        Self::start_with(topics, ConnectionLimits::default())
+    }
+
+    fn start_with(topics: TopicGroups, limits: ConnectionLimits) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("log.mcap");
         sample::open_log(&path, 20, topics).finish().unwrap();
         let (runs, skipped) = ViewableRuns::find(&path).unwrap();
         assert!(skipped.is_empty());
-        let server = ViewServer::new(runs, None, 0).unwrap();
+        let server = ViewServer::new(runs, None, 0).unwrap().with_limits(limits);
         let (address, stopper) = (server.address(), server.stopper());
         Self { folder, address, stopper, thread: Some(std::thread::spawn(|| server.run())) }
     }
@@ -154,9 +159,49 @@ fn the_error_of_an_unreadable_log_is_the_response() {
 }
 
 #[test]
-fn a_silent_connection_does_not_block_others() {
+fn requests_of_pages_of_other_sites_are_refused() {
     let serving = Serving::start(TopicGroups::ALL);
-    let silent: Vec<_> = (0..4).map(|_| TcpStream::connect(serving.address).unwrap()).collect();
+    let from = |origin: &str| {
+        serving.send(&format!("GET /run/0/ HTTP/1.1\r\nHost: {}\r\nOrigin: {origin}\r\n\r\n", serving.address)).status
+    };
+    assert_eq!(from(&format!("http://{}", serving.address)), 200);
+    assert_eq!([from("https://evil.example"), from("null")], [403, 403]);
+}
+
+/// More connections than the limit, none of which completes its request, or reads its response.
+#[test]
+fn connections_that_do_not_end_do_not_block_others() {
+    let serving = Serving::start(TopicGroups::ALL);
+    let requests =
+        ["", "GET /run/0/data HT", &format!("GET /run/0/data HTTP/1.1\r\nHost: {}\r\n\r\n", serving.address)];
+    let mut held = Vec::new();
+    for request in requests {
+        for _ in 0..2 * ConnectionLimits::default().connections {
+            let mut stream = TcpStream::connect(serving.address).unwrap();
+            stream.write_all(request.as_bytes()).unwrap();
+            held.push(stream);
+        }
+        assert_eq!(serving.get("/run/0/").status, 200, "after {request:?}");
+        assert_eq!(serving.get("/run/0/data").status, 200, "after {request:?}");
+    }
+}
+
+/// A client that sends one byte at a time is disconnected, although each byte arrives in time.
+#[test]
+fn a_request_must_be_complete_in_time() {
+    let request = Duration::from_millis(200);
+    let serving = Serving::start_with(TopicGroups::ALL, ConnectionLimits { request, ..ConnectionLimits::default() });
+    let mut stream = TcpStream::connect(serving.address).unwrap();
+    stream.set_read_timeout(Some(Duration::from_millis(5))).unwrap();
+    let end = Instant::now() + Duration::from_secs(60);
+    stream.write_all(b"GET / HTTP/1.1\r\nA: ").unwrap();
+    // A closed connection ends the reading, or breaks the writing.
+    while stream.write_all(b"a").is_ok() && stream.read(&mut [0]).is_err_and(|error| is_timeout(&error)) {
+        assert!(Instant::now() < end, "the connection stays open");
+    }
     assert_eq!(serving.get("/run/0/").status, 200);
-    drop(silent);
+}
+
+fn is_timeout(error: &std::io::Error) -> bool {
+    matches!(error.kind(), std::io::ErrorKind::WouldBlock | std::io::ErrorKind::TimedOut)
 }

@@ -1,0 +1,9 @@
+//! Requests of browsers to servers on loopback: bounded heads, permitted hosts and origins.
+//!
+//! Imports: nothing of this crate. Used by: `view`.
+
+mod local_access;
+mod request_head;
+
+pub use local_access::{AccessError, LocalAccess, is_origin};
+pub use request_head::{HeadError, MAX_HEAD, RequestHead};
