@@ -5,8 +5,8 @@
 
 use stiction::dynamics::chain::FrameMotion;
 use stiction::remote::wire::{
-    self, HEADER, Header, Hello, Key, Kind, Welcome, fingerprint, flags, read_control, read_sensing, write_control,
-    write_sensing,
+    self, Confirm, HEADER, Header, Hello, Key, Kind, Welcome, fingerprint, flags, read_control, read_sensing,
+    write_control, write_sensing,
 };
 use stiction::robot::Model;
 use stiction::task::{Command, SensorReadings};
@@ -14,7 +14,7 @@ use stiction::task::{Command, SensorReadings};
 use super::tree;
 
 /// First byte of the input: the kind of valid packet to change, or `r` for arbitrary bytes.
-pub const KINDS: [u8; 7] = *b"rhwcsvb";
+pub const KINDS: [u8; 8] = *b"rhwfcsvb";
 /// Second byte: `n` no key, `k` the tag of the valid packet, `s` a new tag after the changes, `l`
 /// no key but a new length after the changes.
 pub const TAGS: [u8; 4] = *b"nksl";
@@ -62,7 +62,11 @@ fn valid(kind: u8, model: &Model, packet: &mut Vec<u8>) -> Option<()> {
         }
         b'w' => {
             wire::begin(&header(Kind::Welcome), packet);
-            Welcome { answers: 5, robot, rate: 1000.0, pace: 0.5 }.write(packet);
+            Welcome { answers: 5, robot, rate: 1000.0, pace: 0.5, challenge: [9; 32] }.write(packet);
+        }
+        b'f' => {
+            wire::begin(&header(Kind::Confirm), packet);
+            Confirm { answers: 5, challenge: [9; 32] }.write(packet);
         }
         b'c' => {
             wire::begin(&header(Kind::Control), packet);
@@ -101,6 +105,7 @@ fn read(packet: &[u8], key: Option<&Key>, model: &Model) -> Result<(), wire::Rej
             assert!(welcome.pace.is_finite() && welcome.pace >= 0.0, "a pace of {}", welcome.pace);
             welcome.write(&mut again);
         }
+        Kind::Confirm => Confirm::read(body)?.write(&mut again),
         Kind::Control => {
             let mut command = Command::hold(model, &model.home);
             let next = read_control(body, &mut command)?;

@@ -2,7 +2,7 @@
 //! not at all, and paths that stay inside a folder of results.
 //!
 //! Imports: nothing of this crate. Used by: `robot`, `scenario`, `log`, `results`, `report`,
-//! `export`, `batch`, `replay`, `view`, `submit`, `console`, `cli`.
+//! `export`, `remote`, `batch`, `replay`, `view`, `submit`, `console`, `cli`.
 
 pub mod atomic;
 pub(crate) mod checksum;

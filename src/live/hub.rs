@@ -50,7 +50,7 @@ impl Hub {
         Hub {
             listener,
             shared,
-            session: nonce(),
+            session: nonce().unwrap_or_default(),
             feeds: Vec::new(),
             clients: Vec::new(),
             registry: TopicRegistry::default(),

@@ -2,13 +2,12 @@
 
 use std::io::ErrorKind;
 use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crate::remote::counts::Counts;
 use crate::remote::impairment::{ImpairedLink, Impairment};
 use crate::remote::link_error::LinkError;
-use crate::remote::wire::{self, Header, Key, Kind, MAX_DATAGRAM, Rejection};
+use crate::remote::wire::{self, HEADER, Header, Key, Kind, MAX_DATAGRAM, Rejection, TAG_SIZE};
 
 /// Address of a side and the key of its packets.
 #[derive(Clone, Debug)]
@@ -20,12 +19,12 @@ pub struct Address {
 }
 
 impl Address {
-    /// Resolves a host and reads the key from a file.
-    pub fn read(host: &str, port: u16, key: Option<&Path>) -> Result<Self, LinkError> {
+    /// Resolves a host.
+    pub fn resolve(host: &str, port: u16, key: Option<Key>) -> Result<Self, LinkError> {
         let unknown = |source| LinkError::Name { name: format!("{host}:{port}"), source };
         let mut found = (host, port).to_socket_addrs().map_err(unknown)?;
         let at = found.next().ok_or_else(|| unknown(ErrorKind::NotFound.into()))?;
-        let address = Address { at, key: key.map(read_key).transpose()? };
+        let address = Address { at, key };
         address.check().map(|()| address)
     }
 
@@ -35,19 +34,17 @@ impl Address {
     }
 }
 
-/// Reads the secret in a file, without trailing line ends.
-pub fn read_key(path: &Path) -> Result<Key, LinkError> {
-    let secret = std::fs::read(path).map_err(|source| LinkError::KeyFile { path: path.to_owned(), source })?;
-    let end = secret.iter().rposition(|byte| !b"\r\n".contains(byte)).map_or(0, |last| last + 1);
-    Key::of(&secret[..end]).ok_or_else(|| LinkError::ShortKey { path: path.to_owned(), length: end })
-}
+/// Largest number of rejected packets that are read after the end of a wait, about as many as a
+/// socket holds. A valid packet behind them is still read, and many rejected ones do not prolong the
+/// wait without limit.
+const MAX_LATE: usize = 256;
 
 /// UDP socket with the state of a session.
 pub(super) struct Channel {
     socket: UdpSocket,
     key: Option<Key>,
     pub session: u64,
-    /// Address of the other side.
+    /// Address of the other side; none while waiting for a client.
     pub peer: Option<SocketAddr>,
     sequence: u64,
     /// Sequence numbers of the first and newest accepted packet, and the number of accepted
@@ -110,12 +107,24 @@ impl Channel {
     pub fn send(
         &mut self,
         kind: Kind,
-        (tick, time): (u64, f64),
+        time: (u64, f64),
         body: impl FnOnce(&mut Vec<u8>) -> u8,
     ) -> Result<(), LinkError> {
         let Some(peer) = self.peer else { return Ok(()) };
+        self.send_to(peer, self.session, kind, time, body)
+    }
+
+    /// Sends a packet of a session that has not begun.
+    pub fn send_to(
+        &mut self,
+        to: SocketAddr,
+        session: u64,
+        kind: Kind,
+        (tick, time): (u64, f64),
+        body: impl FnOnce(&mut Vec<u8>) -> u8,
+    ) -> Result<(), LinkError> {
         self.sequence += 1;
-        let header = Header { kind, flags: 0, session: self.session, sequence: self.sequence, tick, time };
+        let header = Header { kind, flags: 0, session, sequence: self.sequence, tick, time };
         wire::begin(&header, &mut self.out);
         let flags = body(&mut self.out);
         self.out[7] |= flags;
@@ -128,22 +137,36 @@ impl Channel {
         // A packet that the system cannot send now counts as lost; the side that waits for an
         // answer resends.
         match &mut self.sender {
-            None => drop(socket.send_to(&self.out, peer)),
-            Some(sender) => sender.send(&self.out, |packet| drop(socket.send_to(packet, peer))),
+            None => drop(socket.send_to(&self.out, to)),
+            Some(sender) => sender.send(&self.out, to, |packet, to| drop(socket.send_to(packet, to))),
         }
         Ok(())
+    }
+
+    /// Answers a hello of another version with a bye, so that its sender sees the other version.
+    fn answer_foreign(&mut self, length: usize, from: SocketAddr) -> Result<(), LinkError> {
+        // The answer is not longer than the hello, so it cannot be used to flood a third party.
+        let longest = HEADER + TAG_SIZE;
+        match wire::foreign_hello(&self.inbox[..length]) {
+            Some((session, length)) if self.peer.is_none() && length >= longest => {
+                self.send_to(from, session, Kind::Bye, (0, 0.0), |_| 0)
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Waits for a valid packet until an instant; none if there is none. Rejected packets are
     /// counted.
     ///
-    /// A hello is valid in any session; all other packets must come from the other side, belong to
-    /// this session, and be newer than those accepted before.
+    /// In a session, packets must come from the other side, belong to it, and be newer than those
+    /// accepted before; only a welcome may belong to another one. Without a session, only hellos and
+    /// confirms are valid.
     pub fn receive(&mut self, until: Instant) -> Result<Option<Packet>, LinkError> {
+        let mut late = 0;
         loop {
-            if let (Some(sender), Some(peer)) = (&mut self.sender, self.peer) {
+            if let Some(sender) = &mut self.sender {
                 let socket = &self.socket;
-                sender.flush(|packet| drop(socket.send_to(packet, peer)));
+                sender.flush(|packet, to| drop(socket.send_to(packet, to)));
             }
             let due = self.sender.as_ref().and_then(ImpairedLink::next).map_or(until, |due| due.min(until));
             let wait = due.saturating_duration_since(Instant::now());
@@ -172,7 +195,18 @@ impl Channel {
             };
             match self.accept(length, from) {
                 Ok(packet) => return Ok(Some(packet)),
-                Err(reason) => self.counts.reject(reason),
+                Err(reason) => {
+                    self.counts.reject(reason);
+                    if reason == Rejection::Version {
+                        self.answer_foreign(length, from)?;
+                    }
+                }
+            }
+            if Instant::now() >= until {
+                late += 1;
+                if late > MAX_LATE {
+                    return Ok(None);
+                }
             }
         }
     }
@@ -198,7 +232,11 @@ impl Channel {
         let (header, body) = wire::open(&self.inbox[..length], self.key.as_ref())?;
         let start = wire::HEADER;
         let body = start..start + body.len();
-        if header.kind != Kind::Hello && header.kind != Kind::Welcome {
+        let opens = match self.peer {
+            None => matches!(header.kind, Kind::Hello | Kind::Confirm),
+            Some(_) => header.kind == Kind::Welcome,
+        };
+        if !opens {
             if self.peer != Some(from) || header.session != self.session {
                 return Err(Rejection::Session);
             }
@@ -232,7 +270,10 @@ impl Channel {
             .filter(|reason| self.counts.rejected(*reason) > 0)
             .map(|reason| format!("{} dropped ({})", self.counts.rejected(reason), reason.name()))
             .collect();
-        let found = if rejected.is_empty() { String::new() } else { format!("; {}", rejected.join(", ")) };
+        let mut found = if rejected.is_empty() { String::new() } else { format!("; {}", rejected.join(", ")) };
+        if self.counts.rejected(Rejection::Version) > 0 {
+            found += &format!(": both sides need wire format {}", wire::VERSION);
+        }
         let address = self.peer.map_or("any client".into(), |peer| peer.to_string());
         LinkError::Silent { address, seconds: after.as_secs_f64(), found }
     }

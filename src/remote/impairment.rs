@@ -1,5 +1,6 @@
 //! Impairs a link for tests: loses, delays, duplicates and reorders packets, chosen by a seed.
 
+use std::net::SocketAddr;
 use std::str::FromStr;
 use std::time::{Duration, Instant};
 
@@ -28,7 +29,7 @@ pub(super) struct ImpairedLink {
     impairment: Impairment,
     stream: Stream,
     /// Delayed packets with the time of sending; none: after the next packet.
-    waiting: Vec<(Option<Instant>, Vec<u8>)>,
+    waiting: Vec<(Option<Instant>, SocketAddr, Vec<u8>)>,
 }
 
 impl ImpairedLink {
@@ -37,39 +38,39 @@ impl ImpairedLink {
     }
 
     /// Accepts a packet; calls `send` for the packets to send now.
-    pub fn send(&mut self, packet: &[u8], mut send: impl FnMut(&[u8])) {
+    pub fn send(&mut self, packet: &[u8], to: SocketAddr, mut send: impl FnMut(&[u8], SocketAddr)) {
         // Every number is drawn each time, so that one share does not change the packets that
         // another affects.
         let draws =
             [self.stream.unit(), self.stream.unit(), self.stream.unit(), self.stream.unit(), self.stream.unit()];
-        let behind: Vec<_> = self.waiting.extract_if(.., |(due, _)| due.is_none()).collect();
+        let behind: Vec<_> = self.waiting.extract_if(.., |(due, ..)| due.is_none()).collect();
         if draws[0] >= self.impairment.loss {
             let copies = 1 + usize::from(draws[1] < self.impairment.duplicate);
             for _ in 0..copies {
                 if draws[2] < self.impairment.reorder {
-                    self.waiting.push((None, packet.to_vec()));
+                    self.waiting.push((None, to, packet.to_vec()));
                 } else if draws[3] < self.impairment.delay {
                     let delay = Duration::from_secs_f64(draws[4] * self.impairment.delay_up_to);
-                    self.waiting.push((Some(Instant::now() + delay), packet.to_vec()));
+                    self.waiting.push((Some(Instant::now() + delay), to, packet.to_vec()));
                 } else {
-                    send(packet);
+                    send(packet, to);
                 }
             }
         }
-        behind.iter().for_each(|(_, packet)| send(packet));
+        behind.iter().for_each(|(_, to, packet)| send(packet, *to));
     }
 
     /// Sends delayed packets that are due.
-    pub fn flush(&mut self, mut send: impl FnMut(&[u8])) {
+    pub fn flush(&mut self, mut send: impl FnMut(&[u8], SocketAddr)) {
         let now = Instant::now();
-        for (_, packet) in self.waiting.extract_if(.., |(due, _)| due.is_some_and(|due| due <= now)) {
-            send(&packet);
+        for (_, to, packet) in self.waiting.extract_if(.., |(due, ..)| due.is_some_and(|due| due <= now)) {
+            send(&packet, to);
         }
     }
 
     /// Time at which the next delayed packet is due.
     pub fn next(&self) -> Option<Instant> {
-        self.waiting.iter().filter_map(|(due, _)| *due).min()
+        self.waiting.iter().filter_map(|(due, ..)| *due).min()
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::remote::key_file::MAX_KEY_FILE;
 use crate::remote::wire::MIN_SECRET;
 use crate::sim::{Outcome, RunError};
 
@@ -39,6 +40,17 @@ pub enum LinkError {
         /// Its length, bytes.
         length: usize,
     },
+    /// The file of the key is too long to be one.
+    #[error("the key in {} has {length} bytes, expected at most {MAX_KEY_FILE}", path.display())]
+    LongKey {
+        /// The file.
+        path: PathBuf,
+        /// Its length, bytes.
+        length: u64,
+    },
+    /// The system has no random numbers.
+    #[error("cannot draw random numbers of the system: {0}")]
+    Random(String),
     /// A call of the system failed.
     #[error("cannot {what} {address}: {source}")]
     Io {

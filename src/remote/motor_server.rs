@@ -3,18 +3,24 @@
 //! At a free pace each tick waits for the control that answers it, and resends its sensing until
 //! then. At a fixed pace each tick waits for its time and uses the newest control received before;
 //! without one the last command stays in force.
+//!
+//! A session begins with a confirm that returns the challenge of the welcome. Hellos alone, which may
+//! be recorded ones of an earlier session, change nothing.
 
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::remote::SILENCE;
+use crate::remote::challenge::Challenges;
 use crate::remote::channel::{Address, Channel, Packet};
 use crate::remote::counts::Counts;
 use crate::remote::impairment::Impairment;
 use crate::remote::link_error::LinkError;
-use crate::remote::wire::{Hello, Kind, Rejection, Welcome, fingerprint, flags, read_control, write_sensing};
-use crate::remote::{SILENCE, nonce};
+use crate::remote::wire::{
+    Confirm, Hello, Kind, Rejection, Welcome, fingerprint, flags, read_control, session_of, write_sensing,
+};
 use crate::robot::Model;
 use crate::sim::CommandSource;
 use crate::sim::RunError;
@@ -41,9 +47,9 @@ pub struct MotorServer {
     rate: f64,
     pace: Pace,
     cancel: Option<Arc<AtomicBool>>,
-    /// Number of the answered hello, and whether its session has sent control.
-    answers: u64,
-    confirmed: bool,
+    challenges: Challenges,
+    /// Number of answered hellos.
+    hellos: u64,
     /// Wall-clock instant of time 0.
     start: Option<Instant>,
     last_received: Instant,
@@ -68,8 +74,8 @@ impl MotorServer {
             rate,
             pace,
             cancel,
-            answers: 0,
-            confirmed: false,
+            challenges: Challenges::new()?,
+            hellos: 0,
             start: None,
             last_received: Instant::now(),
             buffer: command.clone(),
@@ -87,18 +93,18 @@ impl MotorServer {
         self.channel.counts
     }
 
-    /// Waits for a client's hello, at most `limit`.
+    /// Waits until a client begins a session, at most `limit`.
     pub fn wait(&mut self, limit: Option<Duration>) -> Result<(), LinkError> {
         let end = limit.map(|limit| Instant::now() + limit);
         loop {
             self.check_cancelled()?;
             let now = Instant::now();
             if end.is_some_and(|end| now >= end) {
-                return Err(self.silent(limit.unwrap_or_default()));
+                return Err(self.no_client(limit.unwrap_or_default()));
             }
             let slice = now + Duration::from_millis(100);
             if let Some(packet) = self.channel.receive(end.map_or(slice, |end| end.min(slice)))?
-                && self.greet(&packet)?
+                && self.open_session(&packet)?
             {
                 self.last_received = Instant::now();
                 return Ok(());
@@ -106,36 +112,45 @@ impl MotorServer {
         }
     }
 
-    /// Answers a hello. Returns whether a new session began.
-    fn greet(&mut self, packet: &Packet) -> Result<bool, LinkError> {
-        if packet.header.kind != Kind::Hello {
-            self.channel.counts.reject(Rejection::Session);
+    /// Answers a hello, or begins the session of a confirm. Returns whether it began.
+    fn open_session(&mut self, packet: &Packet) -> Result<bool, LinkError> {
+        let from = packet.from;
+        let body = self.channel.body(packet);
+        if packet.header.kind == Kind::Hello {
+            match Hello::read(body) {
+                Ok(_) => self.welcome(from, packet.header.session)?,
+                Err(reason) => self.channel.counts.reject(reason),
+            }
             return Ok(false);
         }
-        let (from, hello) = (packet.from, packet.header.session);
-        let repeated = self.channel.peer == Some(from) && self.answers == hello;
-        if self.confirmed && !repeated {
-            self.channel.counts.reject(Rejection::Session);
-            return Ok(false);
+        match Confirm::read(body) {
+            Ok(Confirm { answers, challenge })
+                if packet.header.session == session_of(&challenge)
+                    && self.challenges.verifies(from, answers, &challenge, Instant::now()) =>
+            {
+                self.channel.begin(packet.header.session, from);
+                self.channel.mark_accepted(packet);
+                return Ok(true);
+            }
+            Ok(_) => self.channel.counts.reject(Rejection::Session),
+            Err(reason) => self.channel.counts.reject(reason),
         }
-        if let Err(reason) = Hello::read(self.channel.body(packet)) {
-            self.channel.counts.reject(reason);
-            return Ok(false);
-        }
-        if !repeated {
-            self.answers = hello;
-            self.channel.begin(nonce(), from);
-        }
+        Ok(false)
+    }
+
+    /// Offers a session to the sender of a hello.
+    fn welcome(&mut self, to: SocketAddr, hello: u64) -> Result<(), LinkError> {
+        self.hellos += 1;
         let pace = match self.pace {
             Pace::Free => 0.0,
             Pace::Times(times) => times,
         };
-        let welcome = Welcome { answers: hello, robot: self.robot, rate: self.rate, pace };
-        self.channel.send(Kind::Welcome, (0, 0.0), |out| {
+        let challenge = self.challenges.issue(to, hello, Instant::now());
+        let welcome = Welcome { answers: hello, robot: self.robot, rate: self.rate, pace, challenge };
+        self.channel.send_to(to, session_of(&challenge), Kind::Welcome, (0, 0.0), |out| {
             welcome.write(out);
             0
-        })?;
-        Ok(!repeated)
+        })
     }
 
     /// Sends the sensor readings, receives the joint commands and returns the next tick for which
@@ -227,16 +242,14 @@ impl MotorServer {
                 }
                 Ok(next) => {
                     self.channel.mark_accepted(packet);
-                    self.confirmed = true;
                     self.last.copy_from(&self.buffer);
                     return Ok(Some(next));
                 }
             },
-            Kind::Hello => {
-                self.greet(packet)?;
-            }
+            // The client repeats it until the first sensing arrives.
+            Kind::Confirm => self.channel.mark_accepted(packet),
             Kind::Bye => return Err(LinkError::Ended(packet.from)),
-            Kind::Welcome | Kind::Sensing => self.channel.counts.reject(Rejection::Foreign),
+            Kind::Hello | Kind::Welcome | Kind::Sensing => self.channel.counts.reject(Rejection::Foreign),
         }
         Ok(None)
     }
@@ -274,6 +287,15 @@ impl MotorServer {
 
     fn silent(&self, after: Duration) -> LinkError {
         self.channel.silent(after)
+    }
+
+    /// Error after a wait without a client.
+    fn no_client(&self, after: Duration) -> LinkError {
+        let mut error = self.silent(after);
+        if let (LinkError::Silent { found, .. }, true) = (&mut error, self.hellos > 0) {
+            *found += &format!("; {} hellos, whose senders did not answer the welcome", self.hellos);
+        }
+        error
     }
 }
 

@@ -9,14 +9,14 @@ use crate::remote::channel::{Address, Channel};
 use crate::remote::counts::Counts;
 use crate::remote::impairment::Impairment;
 use crate::remote::link_error::LinkError;
-use crate::remote::wire::{Hello, Kind, Rejection, Welcome, fingerprint, flags, read_sensing, write_control};
+use crate::remote::wire::{Confirm, Hello, Kind, Rejection, Welcome, fingerprint, flags, read_sensing, write_control};
 use crate::remote::{SILENCE, nonce};
 use crate::robot::Model;
 use crate::sim::RemoteRobot;
 use crate::sim::RunError;
 use crate::task::{Command, SensorReadings};
 
-/// Period of the requests for a session.
+/// Period of hellos and confirms, which are sent until they are answered.
 const HELLO_PERIOD: Duration = Duration::from_millis(50);
 /// Number of messages that end a session; they are not acknowledged.
 const BYES: usize = 5;
@@ -27,6 +27,8 @@ pub struct RobotClient {
     cancel: Option<Arc<AtomicBool>>,
     /// Seconds of its clock per second; none: each tick waits for control.
     pub pace: Option<f64>,
+    /// Sent until the first sensing arrives.
+    confirm: Option<Confirm>,
     /// The tick answered last, its command and next tick.
     answered: Option<(u64, Command, Option<u64>)>,
     /// Buffer for decoding; partly overwritten by rejected packets.
@@ -59,11 +61,17 @@ impl RobotClient {
         };
         let own = Address { at: SocketAddr::new(here, 0), key: address.key.clone() };
         let mut channel = Channel::bind(&own, impairment.map(|impairment| (impairment, "tasks")))?;
-        let hello_number = nonce();
+        let hello_number = nonce()?;
         channel.begin(hello_number, address.at);
         let robot = fingerprint(model);
-        let mut remote =
-            RobotClient { channel, cancel, pace: None, answered: None, buffer: SensorReadings::blank(model) };
+        let mut remote = RobotClient {
+            channel,
+            cancel,
+            pace: None,
+            confirm: None,
+            answered: None,
+            buffer: SensorReadings::blank(model),
+        };
         let end = Instant::now() + SILENCE;
         while Instant::now() < end {
             remote.check_cancelled()?;
@@ -88,6 +96,7 @@ impl RobotClient {
                         }
                         remote.channel.begin(packet.header.session, address.at);
                         remote.pace = Some(welcome.pace).filter(|pace| *pace > 0.0);
+                        remote.confirm = Some(Confirm { answers: hello_number, challenge: welcome.challenge });
                         return Ok(remote);
                     }
                     Ok(_) => remote.channel.counts.reject(Rejection::Session),
@@ -101,13 +110,25 @@ impl RobotClient {
     /// Waits for a tick that has not been answered.
     pub fn sense(&mut self, sensed: &mut SensorReadings) -> Result<RobotMessage, LinkError> {
         let mut end = Instant::now() + SILENCE;
+        let mut confirm_at = Instant::now();
         loop {
             self.check_cancelled()?;
             let now = Instant::now();
             if now >= end {
                 return Err(self.channel.silent(SILENCE));
             }
-            let Some(packet) = self.channel.receive(end.min(now + Duration::from_millis(100)))? else { continue };
+            let mut until = end.min(now + Duration::from_millis(100));
+            if let Some(confirm) = self.confirm {
+                if now >= confirm_at {
+                    self.channel.send(Kind::Confirm, (0, 0.0), |out| {
+                        confirm.write(out);
+                        0
+                    })?;
+                    confirm_at = now + HELLO_PERIOD;
+                }
+                until = until.min(confirm_at);
+            }
+            let Some(packet) = self.channel.receive(until)? else { continue };
             match packet.header.kind {
                 Kind::Sensing => {}
                 Kind::Bye => return Err(LinkError::Ended(packet.from)),
@@ -124,6 +145,7 @@ impl RobotClient {
             let last = packet.header.flags & flags::LAST != 0;
             let tick = packet.header.tick;
             self.channel.mark_accepted(&packet);
+            self.confirm = None;
             end = Instant::now() + SILENCE;
             match &self.answered {
                 Some((answered, ..)) if !last && tick == *answered => {

@@ -10,7 +10,8 @@ import struct
 import sys
 
 HEADER = struct.Struct("<4sHBBIIQQQd")
-HELLO, WELCOME, CONTROL, SENSING, BYE = 1, 2, 3, 4, 5
+VERSION = 2
+HELLO, WELCOME, CONTROL, SENSING, BYE, CONFIRM = 1, 2, 3, 4, 5, 6
 BASE, LAST = 2, 8
 sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 sock.settimeout(0.5)
@@ -22,7 +23,7 @@ sent = 0
 def send(kind, session, tick, time, body=b""):
     global sent
     sent += 1
-    sock.send(HEADER.pack(b"stic", 1, kind, 0, HEADER.size + len(body), 0, session, sent, tick, time) + body)
+    sock.send(HEADER.pack(b"stic", VERSION, kind, 0, HEADER.size + len(body), 0, session, sent, tick, time) + body)
 
 
 nonce = int.from_bytes(os.urandom(8), "little") | 1
@@ -31,6 +32,8 @@ start, position, time, base = None, None, 0.0, ()
 while True:
     packet = sock.recv(65536)
     _, _, kind, flags, _, _, session, _, tick, time = HEADER.unpack_from(packet)
+    if kind == WELCOME:
+        send(CONFIRM, session, 0, 0.0, struct.pack("<Q", nonce) + packet[104:136])
     if kind != SENSING:
         continue
     joints, soles = struct.unpack_from("<II", packet, 48)

@@ -5,6 +5,7 @@
 mod live;
 #[cfg(not(feature = "live"))]
 mod not_live;
+mod replayed;
 mod session;
 mod stranger;
 mod wire;

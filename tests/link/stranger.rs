@@ -5,7 +5,9 @@ use std::net::UdpSocket;
 use std::path::Path;
 use std::time::Duration;
 
-use stiction::remote::wire::{self, Header, Hello, Kind, Welcome, fingerprint, flags, read_sensing, write_control};
+use stiction::remote::wire::{
+    self, Confirm, Header, Hello, Kind, Welcome, fingerprint, flags, read_sensing, write_control,
+};
 use stiction::robot::{Model, load};
 use stiction::task::{Command, SensorReadings};
 
@@ -51,6 +53,8 @@ impl Client {
         let welcome = Welcome::read(&body).unwrap();
         assert_eq!((header.kind, welcome.answers, welcome.rate), (Kind::Welcome, 77, 100.0));
         self.session = header.session;
+        let confirm = Confirm { answers: welcome.answers, challenge: welcome.challenge };
+        self.send(Kind::Confirm, 0, |out| confirm.write(out));
     }
 }
 
@@ -112,16 +116,13 @@ fn foreign_packets_have_no_effect() {
         wire::begin(&header, &mut hello);
         Hello { robot: [0; 32], rate: 100.0 }.write(&mut hello);
         wire::end(None, &mut hello);
-        // Before the first command another hello may take over the session.
-        if tick > 0 {
-            stranger.send_to(&hello, ("127.0.0.1", port)).unwrap();
-        }
+        stranger.send_to(&hello, ("127.0.0.1", port)).unwrap();
         client.socket.send(&control(tick, client.session + 1, deviating)).unwrap();
         client.socket.send(&control(tick + 5, client.session, deviating)).unwrap();
     });
-    // At each of ten ticks: three packets of another session, one command of another tick, and
-    // except at the first tick a `Hello`.
-    assert!(output.contains("39 dropped (other session)"), "{output}");
+    // At each of ten ticks: three packets of another session and a `Hello`, and one command of
+    // another tick.
+    assert!(output.contains("40 dropped (other session)"), "{output}");
     assert!(output.contains("10 dropped (late or replayed)"), "{output}");
     assert_eq!(motion(&place, "alone", "s").rows, motion(&place, "met", "s").rows);
 }

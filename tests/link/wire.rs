@@ -6,8 +6,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 use stiction::dynamics::chain::FrameMotion;
 use stiction::random::Stream;
 use stiction::remote::wire::{
-    self, HEADER, Header, Hello, Key, Kind, Rejection, VERSION, Welcome, fingerprint, flags, read_control,
-    read_sensing, write_control, write_sensing,
+    self, Confirm, HEADER, Header, Hello, Key, Kind, Rejection, VERSION, Welcome, fingerprint, flags, read_control,
+    read_sensing, session_of, write_control, write_sensing,
 };
 use stiction::robot::{DriveMode, Model, load};
 use stiction::task::{Command, SensorReadings};
@@ -122,21 +122,61 @@ fn sensing_round_trips_bit_for_bit() {
 }
 
 #[test]
-fn hello_and_welcome_round_trip() {
+fn packets_of_the_handshake_round_trip() {
     let robot = fingerprint(&model());
-    let (hello, welcome) = (Hello { robot, rate: 500.0 }, Welcome { answers: 9, robot, rate: 500.0, pace: 0.5 });
-    let (mut a, mut b) = (Vec::new(), Vec::new());
+    let challenge: [u8; 32] = std::array::from_fn(|at| at as u8 + 1);
+    let hello = Hello { robot, rate: 500.0 };
+    let welcome = Welcome { answers: 9, robot, rate: 500.0, pace: 0.5, challenge };
+    let confirm = Confirm { answers: 9, challenge };
+    let [mut a, mut b, mut c] = [const { Vec::new() }; 3];
     hello.write(&mut a);
     welcome.write(&mut b);
-    assert_eq!((Hello::read(&a), Welcome::read(&b)), (Ok(hello), Ok(welcome)));
-    let longer = [&a[..], &[0]].concat();
-    assert_eq!(Hello::read(&longer), Err(Rejection::Length));
-    for cut in 0..a.len() {
-        assert_eq!(Hello::read(&a[..cut]), Err(Rejection::Length));
+    confirm.write(&mut c);
+    assert_eq!((Hello::read(&a), Welcome::read(&b), Confirm::read(&c)), (Ok(hello), Ok(welcome), Ok(confirm)));
+    for (body, read) in [
+        (&mut a, &(|body: &[u8]| Hello::read(body).map(|_| ())) as &dyn Fn(&[u8]) -> Result<(), Rejection>),
+        (&mut b, &|body| Welcome::read(body).map(|_| ())),
+        (&mut c, &|body| Confirm::read(body).map(|_| ())),
+    ] {
+        for cut in 0..body.len() {
+            assert_eq!(read(&body[..cut]), Err(Rejection::Length));
+        }
+        body.push(0);
+        assert_eq!(read(body), Err(Rejection::Length));
     }
-    for cut in 0..b.len() {
-        assert_eq!(Welcome::read(&b[..cut]), Err(Rejection::Length));
-    }
+}
+
+/// The layout of docs/wire.md, byte by byte.
+#[test]
+fn packets_of_the_handshake_have_the_documented_bytes() {
+    let (robot, challenge) = ([0xab; 32], std::array::from_fn(|at| at as u8 + 1));
+    let packet = |kind, body: &dyn Fn(&mut Vec<u8>)| {
+        let mut out = Vec::new();
+        let header = Header { kind, flags: 0, session: session_of(&challenge), sequence: 2, tick: 3, time: 1.0 };
+        wire::begin(&header, &mut out);
+        body(&mut out);
+        wire::end(None, &mut out);
+        out
+    };
+    let header = |kind: u8, length: u8| {
+        let mut bytes = b"stic\x02\x00".to_vec();
+        bytes.extend([kind, 0, length, 0, 0, 0, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8]);
+        bytes.extend([2, 0, 0, 0, 0, 0, 0, 0, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xf0, 0x3f]);
+        bytes
+    };
+    let (answers, one) = ([9, 0, 0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0, 0xf0, 0x3f]);
+    assert_eq!(
+        packet(Kind::Hello, &|out| Hello { robot, rate: 1.0 }.write(out)),
+        [&header(1, 88)[..], &robot, &one].concat()
+    );
+    assert_eq!(
+        packet(Kind::Welcome, &|out| Welcome { answers: 9, robot, rate: 1.0, pace: 1.0, challenge }.write(out)),
+        [&header(2, 136)[..], &answers, &robot, &one, &one, &challenge].concat()
+    );
+    assert_eq!(
+        packet(Kind::Confirm, &|out| Confirm { answers: 9, challenge }.write(out)),
+        [&header(6, 88)[..], &answers, &challenge].concat()
+    );
 }
 
 /// Rejects every wrong length, whether the header states the true length or not.
@@ -179,9 +219,11 @@ fn invalid_headers_have_the_right_error() {
         wire::open(&changed, None).map(|_| ())
     };
     assert_eq!(with(0, b"STIC"), Err(Rejection::Foreign));
-    assert_eq!(with(4, &(VERSION + 1).to_le_bytes()), Err(Rejection::Version));
+    for version in [1, VERSION + 1] {
+        assert_eq!(with(4, &version.to_le_bytes()), Err(Rejection::Version));
+    }
     assert_eq!(with(6, &[0]), Err(Rejection::Foreign));
-    assert_eq!(with(6, &[6]), Err(Rejection::Foreign));
+    assert_eq!(with(6, &[7]), Err(Rejection::Foreign));
     assert_eq!(with(7, &[64]), Err(Rejection::Value), "an unknown flag");
     assert_eq!(with(12, &[1]), Err(Rejection::Value), "a reserved field");
     assert_eq!(with(40, &f64::NAN.to_le_bytes()), Err(Rejection::Value));
@@ -284,7 +326,7 @@ fn random_bytes_do_not_panic() {
         let Ok((header, body)) = wire::open(&bytes, None) else { continue };
         let _ = read_sensing(&header, body, &mut blank);
         let _ = read_control(body, &mut command);
-        let _ = (Hello::read(body), Welcome::read(body));
+        let _ = (Hello::read(body), Welcome::read(body), Confirm::read(body));
     }
 }
 

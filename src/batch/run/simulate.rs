@@ -13,7 +13,7 @@ use crate::batch::{Job, Role, RunEnd, RunOutputs, Track};
 use crate::contact::selection_record::SelectionRecord;
 use crate::files::RecordError;
 use crate::log::{AttachedText, LogHeader, LogWriter, MessageSink, ProblemWriter, TopicGroups};
-use crate::remote::{Address, RobotClient};
+use crate::remote::{Address, KeyFile, LinkError, RobotClient};
 use crate::results::{Comparator, ReferenceMotion};
 use crate::robot::{Model, Robot};
 use crate::scenario::{LogTopic, Run, host_and_port};
@@ -236,10 +236,14 @@ fn drive_remote(job: &Job, mut setup: Setup, observer: &mut dyn Observer, cancel
     let rate = job.run.scenario.control.rate;
     let spec = &job.run.scenario.robot;
     let (host, port) = spec.backend.as_deref().and_then(host_and_port).unwrap_or_default();
-    let key = spec.backend_key.as_deref().map(|path| job.run.resolve(path));
-    let connected = Address::read(host, port, key.as_deref())
-        .and_then(|address| RobotClient::connect(&address, &setup.model, rate, None, interruption_flag()));
-    let mut robot = match connected {
+    let mut connect = || -> Result<RobotClient, LinkError> {
+        let path = spec.backend_key.as_deref().map(|path| job.run.resolve(path));
+        let file = path.as_deref().map(KeyFile::read).transpose()?;
+        notes.extend(file.as_ref().and_then(|file| file.warning.clone()));
+        let address = Address::resolve(host, port, file.map(|file| file.key))?;
+        RobotClient::connect(&address, &setup.model, rate, None, interruption_flag())
+    };
+    let mut robot = match connect() {
         Ok(robot) => robot,
         Err(error) => {
             let error = RunError::from(error);

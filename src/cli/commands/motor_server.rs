@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use clap::{Args, ValueHint};
 use stiction::batch::{Batch, NoListener, Options, Progress, simulate_with_command_source};
-use stiction::remote::{Address, Impairment, MotorServer, Pace, read_key};
+use stiction::remote::{Address, Impairment, KeyFile, MotorServer, Pace};
 use stiction::sim::CommandSource;
 use stiction::sim::{Problems, RunError};
 
@@ -63,8 +63,10 @@ impl Server {
             complain_of(error);
             Exit::Invalid
         };
-        let key = self.key.as_deref().map(read_key).transpose().map_err(|error| refuse(&error))?;
-        let address = Address { at: self.bind, key };
+        let file = self.key.as_deref().map(KeyFile::read).transpose().map_err(|error| refuse(&error))?;
+        let warning = file.as_ref().and_then(|file| file.warning.as_ref());
+        warning.iter().for_each(|warning| complain(&format!("warning: {warning}")));
+        let address = Address { at: self.bind, key: file.map(|file| file.key) };
         address.check().map_err(|error| refuse(&error))?;
         let clients = self.live.start(&plan, None).map_err(|error| refuse(&error))?;
         let options = Options {

@@ -1,6 +1,6 @@
 //! Authenticates packets by a keyed BLAKE3 hash over all bytes before the tag. Without the key,
-//! packets can be neither forged nor changed; the covered session and sequence numbers reject
-//! replayed ones.
+//! packets can be neither forged nor changed. Session and sequence numbers, which the tag covers,
+//! reject replayed packets of a session; the challenge of the welcome rejects replayed sessions.
 
 /// Length of a tag, bytes.
 pub const TAG_SIZE: usize = 32;
@@ -16,7 +16,7 @@ impl Key {
     /// Derives the key from a secret that both sides have, such as the bytes of a file; none if the
     /// secret is shorter than [`MIN_SECRET`] bytes.
     pub fn of(secret: &[u8]) -> Option<Key> {
-        (secret.len() >= MIN_SECRET).then(|| Key(blake3::derive_key("stiction 2026 wire format 1, packets", secret)))
+        (secret.len() >= MIN_SECRET).then(|| Key(blake3::derive_key("stiction 2026 wire format 2, packets", secret)))
     }
 
     /// Authentication tag of these bytes.

@@ -1,4 +1,4 @@
-//! Writes and reads hello and welcome, the packets that open a session.
+//! Writes and reads hello, welcome and confirm, the packets that open a session.
 //!
 //! ```text
 //! hello     robot       32 bytes, see `fingerprint`
@@ -8,13 +8,24 @@
 //!           rate        f64, Hz
 //!           pace        f64, seconds of the robot's clock per second; 0: each tick waits for
 //!                       its command
+//!           challenge   32 bytes; the first 8 are the number of the session
+//! confirm   answers     u64
+//!           challenge   32 bytes
 //! ```
 //!
-//! The sender of a hello chooses a random number, so that packets of an earlier session are invalid
-//! in a later one.
+//! The sender of a hello chooses a random number and the robot side a random challenge, so recorded
+//! packets of an earlier session neither answer the one nor the other.
 
 use crate::remote::wire::{Reader, Rejection, Writer};
 use crate::robot::Model;
+
+/// Length of a challenge, bytes.
+pub const CHALLENGE_SIZE: usize = 32;
+
+/// Number of the session that a challenge offers.
+pub fn session_of(challenge: &[u8; CHALLENGE_SIZE]) -> u64 {
+    challenge.iter().take(8).rev().fold(0, |number, byte| number << 8 | u64::from(*byte))
+}
 
 /// Request for a session.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +36,7 @@ pub struct Hello {
     pub rate: f64,
 }
 
-/// Answer that grants a session.
+/// Answer that offers a session.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Welcome {
     /// The session of the hello it answers.
@@ -36,6 +47,17 @@ pub struct Welcome {
     pub rate: f64,
     /// Seconds of the robot's clock per second; 0: each tick waits for its command.
     pub pace: f64,
+    /// Unpredictable bytes, which the confirm repeats.
+    pub challenge: [u8; CHALLENGE_SIZE],
+}
+
+/// Answer to a welcome, which begins the session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Confirm {
+    /// The session of the hello.
+    pub answers: u64,
+    /// The challenge of the welcome.
+    pub challenge: [u8; CHALLENGE_SIZE],
 }
 
 impl Hello {
@@ -62,15 +84,33 @@ impl Welcome {
         w.bytes(&self.robot);
         w.f64(self.rate);
         w.f64(self.pace);
+        w.bytes(&self.challenge);
     }
 
     /// Reads a body.
     pub fn read(body: &[u8]) -> Result<Self, Rejection> {
         let mut r = Reader(body);
         let (answers, robot) = (r.u64().ok_or(Rejection::Length)?, r.bytes().ok_or(Rejection::Length)?);
-        let welcome = Welcome { answers, robot, rate: positive(&mut r)?, pace: r.number()? };
+        let (rate, pace) = (positive(&mut r)?, r.number()?);
+        let welcome = Welcome { answers, robot, rate, pace, challenge: r.bytes().ok_or(Rejection::Length)? };
         r.done()?;
         if welcome.pace < 0.0 { Err(Rejection::Value) } else { Ok(welcome) }
+    }
+}
+
+impl Confirm {
+    /// Appends the body.
+    pub fn write(&self, out: &mut Vec<u8>) {
+        let mut w = Writer(out);
+        w.u64(self.answers);
+        w.bytes(&self.challenge);
+    }
+
+    /// Reads a body.
+    pub fn read(body: &[u8]) -> Result<Self, Rejection> {
+        let mut r = Reader(body);
+        let (answers, challenge) = (r.u64().ok_or(Rejection::Length)?, r.bytes().ok_or(Rejection::Length)?);
+        r.done().map(|()| Confirm { answers, challenge })
     }
 }
 

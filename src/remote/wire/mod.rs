@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! 0  "stic"          4 bytes
-//! 4  version         u16, 1
+//! 4  version         u16, 2
 //! 6  kind            u8, see Kind
 //! 7  flags           u8, see flags
 //! 8  length          u32, of the datagram with its tag
@@ -26,14 +26,14 @@ mod control;
 mod handshake;
 mod sensing;
 
-pub use authentication::{Key, MIN_SECRET};
+pub use authentication::{Key, MIN_SECRET, TAG_SIZE};
 use bytes::{Reader, Writer};
 pub use control::{read_control, write_control};
-pub use handshake::{Hello, Welcome, fingerprint};
+pub use handshake::{CHALLENGE_SIZE, Confirm, Hello, Welcome, fingerprint, session_of};
 pub use sensing::{read_sensing, write_sensing};
 
 /// Version of the format.
-pub const VERSION: u16 = 1;
+pub const VERSION: u16 = 2;
 /// First bytes of every packet.
 pub const MAGIC: [u8; 4] = *b"stic";
 /// Bytes before the body.
@@ -61,7 +61,7 @@ pub mod flags {
 pub enum Kind {
     /// The task side requests a session.
     Hello = 1,
-    /// The robot side grants it.
+    /// The robot side offers it, with a challenge.
     Welcome = 2,
     /// Joint commands.
     Control = 3,
@@ -69,11 +69,14 @@ pub enum Kind {
     Sensing = 4,
     /// The sender ends the session.
     Bye = 5,
+    /// The task side begins the offered session by returning the challenge.
+    Confirm = 6,
 }
 
 impl Kind {
     fn of(byte: u8) -> Option<Kind> {
-        [Kind::Hello, Kind::Welcome, Kind::Control, Kind::Sensing, Kind::Bye].into_iter().find(|k| *k as u8 == byte)
+        let all = [Kind::Hello, Kind::Welcome, Kind::Control, Kind::Sensing, Kind::Bye, Kind::Confirm];
+        all.into_iter().find(|k| *k as u8 == byte)
     }
 }
 
@@ -137,6 +140,15 @@ impl Rejection {
             Rejection::Replayed => "late or replayed",
         }
     }
+}
+
+/// If a datagram is a hello of another version, its session field and its length.
+pub fn foreign_hello(datagram: &[u8]) -> Option<(u64, usize)> {
+    let mut r = Reader(datagram);
+    let (magic, version, [kind, _]) = (r.bytes::<4>()?, r.u16()?, r.bytes::<2>()?);
+    let _ = r.u64()?;
+    let session = r.u64()?;
+    (magic == MAGIC && version != VERSION && kind == Kind::Hello as u8).then_some((session, datagram.len()))
 }
 
 /// Clears `out` and writes the header of a packet.
