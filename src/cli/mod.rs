@@ -1,9 +1,9 @@
 //! Command line of `runner`: `commands/` has one file per command, `arguments/` what commands
 //! share.
 //!
-//! Imports: `text`, `files`, `robot`, `collision`, `scenario`, `sim`, `log`, `results`, `report`,
-//! `export`, `remote`, `live`, `batch`, `replay`, `view`, `submit`, `console`, `schema_page`. Used
-//! by: the program.
+//! Imports: `text`, `files`, `web`, `robot`, `collision`, `scenario`, `sim`, `log`, `results`,
+//! `report`, `export`, `remote`, `live`, `batch`, `replay`, `view`, `submit`, `console`,
+//! `schema_page`. Used by: the program.
 
 mod arguments;
 mod colour;

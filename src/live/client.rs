@@ -9,9 +9,10 @@ use tungstenite::protocol::frame::coding::CloseCode;
 use tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
-use crate::live::handshake::{self, HandshakeResult};
+use crate::live::handshake::{self, HandshakeResult, parse_handshake};
 use crate::live::protocol::{self, Request, Subscription};
 use crate::live::topic_registry::TopicEntry;
+use crate::web::{AccessError, LocalAccess};
 
 /// Largest backlog of messages that may be dropped, bytes. A second of a humanoid's log is about a
 /// megabyte.
@@ -23,8 +24,8 @@ const MAX_RELIABLE: usize = 128 << 20;
 const MAX_REQUEST: usize = 1 << 20;
 /// Largest number of subscriptions.
 const MAX_SUBSCRIPTIONS: usize = 1024;
-/// Time limit of a handshake.
-const HANDSHAKE_LIMIT: Duration = Duration::from_secs(5);
+/// Time limit of a handshake, from the start of the connection.
+pub(super) const HANDSHAKE_LIMIT: Duration = Duration::from_secs(5);
 
 /// A connected client with its subscriptions and queues.
 pub(super) struct Client {
@@ -45,7 +46,7 @@ pub(super) struct Client {
 }
 
 enum Connection {
-    Opening { stream: TcpStream, received: Vec<u8>, since: Instant },
+    Opening { stream: TcpStream, received: Vec<u8>, deadline: Instant },
     Open(Box<WebSocket<TcpStream>>),
     Closed,
 }
@@ -56,17 +57,19 @@ pub(super) enum ClientEvent {
     Ignored,
     /// The handshake is complete; it needs the list of topics.
     Opened,
+    /// The client is not permitted; the connection is closed.
+    Refused(AccessError),
     /// A request.
     Request(Request),
 }
 
 impl Client {
-    /// Wraps an accepted connection.
-    pub fn new(stream: TcpStream) -> std::io::Result<Self> {
+    /// Wraps an accepted connection, whose handshake must be complete by `deadline`.
+    pub fn new(stream: TcpStream, deadline: Instant) -> std::io::Result<Self> {
         stream.set_nonblocking(true)?;
         stream.set_nodelay(true)?;
         Ok(Client {
-            connection: Connection::Opening { stream, received: Vec::new(), since: Instant::now() },
+            connection: Connection::Opening { stream, received: Vec::new(), deadline },
             subscriptions: Vec::new(),
             reliable: VecDeque::new(),
             reliable_bytes: 0,
@@ -83,6 +86,11 @@ impl Client {
         matches!(self.connection, Connection::Open(_))
     }
 
+    /// True during the handshake.
+    pub fn is_opening(&self) -> bool {
+        matches!(self.connection, Connection::Opening { .. })
+    }
+
     pub fn is_closed(&self) -> bool {
         matches!(self.connection, Connection::Closed)
     }
@@ -97,15 +105,16 @@ impl Client {
         self.backlog.iter().filter(|message| is_counted(message)).count() as u64
     }
 
-    /// Reads the next event; none if there is no more data.
-    pub fn receive(&mut self) -> Option<ClientEvent> {
+    /// Reads the next event; none if there is no more data. Without `room` for another client, a
+    /// complete handshake is refused.
+    pub fn receive(&mut self, access: &LocalAccess, room: bool) -> Option<ClientEvent> {
         match &mut self.connection {
             Connection::Closed => None,
-            Connection::Opening { .. } => self.continue_handshake(),
+            Connection::Opening { .. } => self.continue_handshake(access, room),
             Connection::Open(socket) => match socket.read() {
                 Ok(Message::Text(text)) => {
-                    let request = serde_json::from_str(&text);
-                    if request.is_err() {
+                    let request = protocol::parse_request(&text);
+                    if request.is_none() {
                         self.queue_reliable(Message::text(protocol::status(protocol::WARNING, "invalid request")));
                     }
                     Some(request.map_or(ClientEvent::Ignored, ClientEvent::Request))
@@ -120,44 +129,44 @@ impl Client {
         }
     }
 
-    fn continue_handshake(&mut self) -> Option<ClientEvent> {
-        let Connection::Opening { stream, received, since } = &mut self.connection else { return None };
+    fn continue_handshake(&mut self, access: &LocalAccess, room: bool) -> Option<ClientEvent> {
+        let Connection::Opening { stream, received, deadline } = &mut self.connection else { return None };
         let mut buffer = [0; 4096];
-        match stream.read(&mut buffer) {
-            Ok(0) => self.connection = Connection::Closed,
-            Ok(length) => {
-                received.extend_from_slice(&buffer[..length]);
-                match handshake::parse(received) {
-                    HandshakeResult::Incomplete => return Some(ClientEvent::Ignored),
-                    HandshakeResult::Refuse(response) => {
-                        // The response is short and the first data sent, so one write suffices.
-                        let _ = stream.write_all(response.as_bytes());
-                        self.connection = Connection::Closed;
-                    }
-                    HandshakeResult::Accept(response, length) => {
-                        let rest = received.split_off(length);
-                        let written = stream.write_all(response.as_bytes());
-                        let Connection::Opening { stream, .. } =
-                            std::mem::replace(&mut self.connection, Connection::Closed)
-                        else {
-                            return None;
-                        };
-                        if written.is_ok() {
-                            let config = WebSocketConfig::default()
-                                .max_message_size(Some(MAX_REQUEST))
-                                .max_frame_size(Some(MAX_REQUEST));
-                            let socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
-                            self.connection = Connection::Open(Box::new(socket));
-                            return Some(ClientEvent::Opened);
-                        }
-                    }
-                }
-            }
-            Err(error) if error.kind() == ErrorKind::WouldBlock && since.elapsed() < HANDSHAKE_LIMIT => {}
-            Err(error) if error.kind() == ErrorKind::Interrupted => {}
-            Err(_) => self.connection = Connection::Closed,
+        let length = match stream.read(&mut buffer) {
+            _ if Instant::now() >= *deadline => 0,
+            Ok(length) => length,
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => return None,
+            Err(_) => 0,
+        };
+        if length == 0 {
+            self.connection = Connection::Closed;
+            return None;
         }
-        None
+        received.extend_from_slice(&buffer[..length]);
+        let (response, length) = match parse_handshake(received, access) {
+            HandshakeResult::Incomplete => return Some(ClientEvent::Ignored),
+            HandshakeResult::Accept(response, length) if room => (response, length),
+            other => {
+                let (response, reason) = match other {
+                    HandshakeResult::Refuse(response, reason) => (response, reason),
+                    _ => (handshake::response("503 Service Unavailable", "as many clients as possible"), None),
+                };
+                // The response is short and the first data sent, so one write suffices.
+                let _ = stream.write_all(response.as_bytes());
+                self.connection = Connection::Closed;
+                return reason.map(ClientEvent::Refused);
+            }
+        };
+        let rest = received.split_off(length);
+        let written = stream.write_all(response.as_bytes());
+        let Connection::Opening { stream, .. } = std::mem::replace(&mut self.connection, Connection::Closed) else {
+            return None;
+        };
+        written.ok()?;
+        let config = WebSocketConfig::default().max_message_size(Some(MAX_REQUEST)).max_frame_size(Some(MAX_REQUEST));
+        let socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
+        self.connection = Connection::Open(Box::new(socket));
+        Some(ClientEvent::Opened)
     }
 
     /// Adds a subscription; false if there are too many.
@@ -278,4 +287,20 @@ fn next(queue: &mut VecDeque<Message>, bytes: &mut usize) -> Option<Message> {
 /// True for a topic message.
 fn is_counted(message: &Message) -> bool {
     matches!(message, Message::Binary(bytes) if protocol::is_message(bytes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::net::TcpListener;
+
+    #[test]
+    fn a_handshake_ends_at_its_deadline_although_bytes_arrive() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let mut peer = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
+        let mut client = Client::new(listener.accept().unwrap().0, Instant::now()).unwrap();
+        peer.write_all(b"GET / HTTP/1.1\r\n").unwrap();
+        assert!(client.receive(&LocalAccess::default(), true).is_none());
+        assert!(client.is_closed());
+    }
 }

@@ -1,7 +1,7 @@
 //! Server thread: distributes the queued instants to the connected clients. It polls every few
 //! milliseconds, so that the simulation thread makes no system call to wake it.
 
-use std::net::{Shutdown, TcpListener};
+use std::net::TcpListener;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::TryRecvError;
@@ -10,16 +10,20 @@ use std::time::{Duration, Instant};
 
 use tungstenite::Message;
 
-use crate::live::client::{Client, ClientEvent};
+use crate::live::client::{Client, ClientEvent, HANDSHAKE_LIMIT};
 use crate::live::feed::{Batch, FeedReceiver};
 use crate::live::protocol::{self, Request, Subscription};
 use crate::live::topic_registry::TopicRegistry;
 use crate::live::{Shared, bit, lock};
 use crate::log::ChannelInfo;
-use crate::remote::nonce;
+use crate::web::{AccessError, LocalAccess};
 
 /// Largest number of clients.
 const MAX_CLIENTS: usize = 16;
+/// Largest number of connections whose handshake is not complete.
+const MAX_OPENING: usize = 32;
+/// Largest number of connections accepted per round.
+const MAX_ACCEPTED: usize = 64;
 /// Polling periods: after activity, with clients, without clients.
 const POLL: [Duration; 3] = [Duration::from_millis(1), Duration::from_millis(4), Duration::from_millis(20)];
 /// Idle rounds before the period grows.
@@ -29,9 +33,14 @@ const FLUSH_LIMITS: (Duration, Duration) = (Duration::from_millis(500), Duration
 /// Largest number of requests handled per client and round.
 const MAX_REQUESTS: usize = 64;
 
+/// Called with the reason when a client is refused.
+pub(super) type OnRefusal = Box<dyn FnMut(&AccessError) + Send>;
+
 /// State of the server thread.
 pub(super) struct Hub {
     listener: TcpListener,
+    access: LocalAccess,
+    on_refusal: OnRefusal,
     shared: Arc<Shared>,
     session: u64,
     feeds: Vec<FeedReceiver>,
@@ -46,11 +55,18 @@ pub(super) struct Hub {
 }
 
 impl Hub {
-    pub fn new(listener: TcpListener, shared: Arc<Shared>) -> Self {
+    pub fn new(
+        listener: TcpListener,
+        (access, on_refusal): (LocalAccess, OnRefusal),
+        shared: Arc<Shared>,
+        session: u64,
+    ) -> Self {
         Hub {
             listener,
+            access,
+            on_refusal,
             shared,
-            session: nonce().unwrap_or_default(),
+            session,
             feeds: Vec::new(),
             clients: Vec::new(),
             registry: TopicRegistry::default(),
@@ -111,15 +127,19 @@ impl Hub {
         self.count();
     }
 
+    /// Accepts connections. Each new one replaces the oldest whose handshake is not complete, if
+    /// there are too many of these.
     fn accept(&mut self) -> bool {
         let mut accepted = false;
-        while let Ok((stream, _)) = self.listener.accept() {
+        for _ in 0..MAX_ACCEPTED {
+            let Ok((stream, _)) = self.listener.accept() else { break };
             accepted = true;
-            if self.clients.len() >= MAX_CLIENTS {
-                let _ = stream.shutdown(Shutdown::Both);
-            } else {
-                self.clients.extend(Client::new(stream));
+            if self.clients.iter().filter(|client| client.is_opening()).count() >= MAX_OPENING
+                && let Some(oldest) = self.clients.iter().position(Client::is_opening)
+            {
+                self.clients.remove(oldest);
             }
+            self.clients.extend(Client::new(stream, Instant::now() + HANDSHAKE_LIMIT));
         }
         accepted
     }
@@ -129,9 +149,14 @@ impl Hub {
         let mut received = false;
         for at in 0..self.clients.len() {
             for _ in 0..MAX_REQUESTS {
-                let Some(event) = self.clients[at].receive() else { break };
+                let room = self.clients.iter().filter(|client| client.is_open()).count() < MAX_CLIENTS;
+                let Some(event) = self.clients[at].receive(&self.access, room) else { break };
                 received = true;
                 match event {
+                    ClientEvent::Refused(reason) => {
+                        self.shared.refused.fetch_add(1, Relaxed);
+                        (self.on_refusal)(&reason);
+                    }
                     ClientEvent::Ignored | ClientEvent::Request(Request::Other) => {}
                     ClientEvent::Opened => self.welcome(at),
                     ClientEvent::Request(Request::Subscribe { subscriptions }) => self.subscribe(at, &subscriptions),

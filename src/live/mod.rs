@@ -15,7 +15,7 @@
 //! description of a run for clients that connect later, closes without sending what is queued,
 //! checks neither Host nor Origin, and adds an asynchronous runtime and 24 crates.
 //!
-//! Imports: `log`, `remote`. Used by: `cli`.
+//! Imports: `web`, `log`, `remote`. Used by: `cli`.
 
 mod client;
 mod feed;
@@ -32,10 +32,18 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use crate::log::MessageSink;
-use crate::remote::LinkError;
+use crate::remote::{LinkError, nonce};
+use crate::web::{AccessError, LocalAccess};
 use feed::{Feed, FeedReceiver};
+pub use handshake::{HandshakeResult, parse_handshake};
 use hub::Hub;
+pub use protocol::{Request, Subscription, parse_request};
 use topic_registry::TopicRegistry;
+
+/// Origins of viewers that are permitted by default: Foxglove, Lichtblick, and desktop programs,
+/// whose pages are files. A sandboxed page of any site has the origin `null`, which is not permitted.
+pub const VIEWER_ORIGINS: [&str; 4] =
+    ["https://app.foxglove.dev", "https://studio.foxglove.dev", "https://lichtblick-suite.github.io", "file://"];
 
 /// Longest wait between checks for cancellation.
 const SLICE: Duration = Duration::from_millis(50);
@@ -58,16 +66,19 @@ pub struct TransferCounts {
     pub dropped: u64,
     /// Messages dropped for all clients because the server was too slow.
     pub missed: u64,
+    /// Clients refused because of their host or origin.
+    pub refused: u64,
 }
 
 impl fmt::Display for TransferCounts {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let TransferCounts { clients, sent, dropped, missed } = self;
+        let TransferCounts { clients, sent, dropped, missed, refused } = self;
         let plural = if *clients == 1 { "client" } else { "clients" };
         write!(
             f,
             "{clients} {plural}, {sent} messages sent, {dropped} dropped for slow readers, {missed} not taken in time"
-        )
+        )?;
+        if *refused > 0 { write!(f, ", {refused} refused") } else { Ok(()) }
     }
 }
 
@@ -87,6 +98,7 @@ struct Shared {
     sent: AtomicU64,
     dropped: AtomicU64,
     missed: AtomicU64,
+    refused: AtomicU64,
     /// True once the thread must end.
     stop: AtomicBool,
     flushes: Mutex<Flushes>,
@@ -111,11 +123,26 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl LiveServer {
-    /// Starts to listen. Port 0 selects a free port.
+    /// Starts to listen for clients on loopback and of [`VIEWER_ORIGINS`]. Port 0 selects a free
+    /// port.
     ///
     /// # Errors
     /// The address is not on loopback, or cannot be listened on.
     pub fn start(address: SocketAddr) -> Result<Self, LinkError> {
+        Self::start_with(address, LocalAccess::default(), Box::new(|_| ()))
+    }
+
+    /// Like [`start`](Self::start), and permits other hosts and origins. Calls `on_refusal` for each
+    /// client that is not permitted.
+    ///
+    /// # Errors
+    /// As [`start`](Self::start).
+    pub fn start_with(
+        address: SocketAddr,
+        mut access: LocalAccess,
+        on_refusal: Box<dyn FnMut(&AccessError) + Send>,
+    ) -> Result<Self, LinkError> {
+        access.origins.extend(VIEWER_ORIGINS.map(str::to_owned));
         if !address.ip().is_loopback() {
             return Err(LinkError::NotLoopback(address));
         }
@@ -125,7 +152,7 @@ impl LiveServer {
         listener.set_nonblocking(true).map_err(failed)?;
         let at = listener.local_addr().map_err(failed)?;
         let shared = Arc::new(Shared::default());
-        let hub = Hub::new(listener, shared.clone());
+        let hub = Hub::new(listener, (access, on_refusal), shared.clone(), nonce()?);
         let thread = std::thread::Builder::new().name("live".into()).spawn(move || hub.run()).map_err(failed)?;
         Ok(LiveServer { shared, at, thread: Some(thread) })
     }
@@ -185,8 +212,9 @@ impl LiveServer {
     /// Numbers of messages and clients so far.
     pub fn counts(&self) -> TransferCounts {
         let s = &self.shared;
-        let [clients, sent, dropped, missed] = [&s.clients, &s.sent, &s.dropped, &s.missed].map(|n| n.load(Relaxed));
-        TransferCounts { clients, sent, dropped, missed }
+        let [clients, sent, dropped, missed, refused] =
+            [&s.clients, &s.sent, &s.dropped, &s.missed, &s.refused].map(|n| n.load(Relaxed));
+        TransferCounts { clients, sent, dropped, missed, refused }
     }
 
     fn wake(&self) {

@@ -21,12 +21,16 @@ pub(super) const WARNING: u8 = 1;
 /// Request of a client.
 #[derive(Deserialize, Debug, PartialEq, Eq)]
 #[serde(tag = "op", rename_all = "camelCase")]
-pub(super) enum Request {
+pub enum Request {
+    /// Subscribes to topics.
     Subscribe {
+        /// The topics with the client's numbers.
         subscriptions: Vec<Subscription>,
     },
+    /// Ends subscriptions.
     #[serde(rename_all = "camelCase")]
     Unsubscribe {
+        /// The client's numbers.
         subscription_ids: Vec<u32>,
     },
     /// A request for capabilities that this server does not advertise.
@@ -37,9 +41,16 @@ pub(super) enum Request {
 /// A client's number for a topic.
 #[derive(Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct Subscription {
+pub struct Subscription {
+    /// The client's number.
     pub id: u32,
+    /// The server's number of the topic.
     pub channel_id: u32,
+}
+
+/// Parses a request of a client; none if it is invalid.
+pub fn parse_request(text: &str) -> Option<Request> {
+    serde_json::from_str(text).ok()
 }
 
 pub(super) fn server_info(session: u64) -> String {
@@ -112,7 +123,7 @@ mod tests {
     /// Requests of the specification.
     #[test]
     fn requests_are_parsed() {
-        let read = |text| serde_json::from_str::<Request>(text).ok();
+        let read = parse_request;
         let subscriptions = vec![Subscription { id: 0, channel_id: 3 }, Subscription { id: 1, channel_id: 5 }];
         let text = r#"{"op":"subscribe","subscriptions":[{"id":0,"channelId":3},{"id":1,"channelId":5}]}"#;
         assert_eq!(read(text), Some(Request::Subscribe { subscriptions }));
@@ -121,5 +132,22 @@ mod tests {
         assert_eq!(read(r#"{"op":"getParameters","parameterNames":[]}"#), Some(Request::Other));
         assert_eq!(read(r#"{"op":"subscribe","subscriptions":[{"id":-1,"channelId":3}]}"#), None);
         assert_eq!(read("subscribe"), None);
+        // The parser bounds the depth of nesting.
+        assert_eq!(read(&"[".repeat(1 << 20)), None);
+    }
+
+    /// Every value of every byte of a request.
+    #[test]
+    fn changed_bytes_do_not_panic() {
+        let text = r#"{"op":"subscribe","subscriptions":[{"id":0,"channelId":3}]}"#;
+        let mut valid = 0;
+        for at in 0..text.len() {
+            for byte in 0..=255 {
+                let mut changed = text.as_bytes().to_vec();
+                changed[at] = byte;
+                valid += usize::from(std::str::from_utf8(&changed).ok().and_then(parse_request).is_some());
+            }
+        }
+        assert!(valid > text.len() && valid < 256 * text.len(), "{valid}");
     }
 }

@@ -18,12 +18,27 @@ pub enum LinkArgumentError {
     Pace,
 }
 
+/// An address and the host that the user gave.
+#[derive(Clone, Debug)]
+pub struct HostAddress {
+    /// The host as given, without port.
+    pub host: String,
+    /// Its first address.
+    pub at: SocketAddr,
+}
+
 /// Resolves a host with a port.
-pub fn address(text: &str) -> Result<SocketAddr, LinkArgumentError> {
+pub fn host_address(text: &str) -> Result<HostAddress, LinkArgumentError> {
     let host = text.rsplit_once(':').filter(|(host, port)| !host.is_empty() && port.parse::<u16>().is_ok());
     let (host, _) = host.ok_or(LinkArgumentError::Address)?;
     let found = text.to_socket_addrs().ok().and_then(|mut found| found.next());
-    found.ok_or_else(|| LinkArgumentError::Host(host.to_owned()))
+    let at = found.ok_or_else(|| LinkArgumentError::Host(host.to_owned()))?;
+    Ok(HostAddress { host: host.to_owned(), at })
+}
+
+/// Like [`host_address`], without the host.
+pub fn address(text: &str) -> Result<SocketAddr, LinkArgumentError> {
+    host_address(text).map(|found| found.at)
 }
 
 /// Parses the pace of a clock.

@@ -1,12 +1,11 @@
-//! Options `--live` and `--live-wait`: stream a run to viewers while it is simulated.
+//! Options `--live`, `--live-wait` and `--live-origin`: stream a run to viewers while it is simulated.
 
-use std::net::SocketAddr;
 use std::time::Duration;
 
 use clap::Args;
 use stiction::batch::{LiveClients, Plan};
 
-use crate::cli::arguments::link::address;
+use crate::cli::arguments::link::{HostAddress, host_address};
 use crate::cli::arguments::numbers::seconds;
 use crate::cli::terminal::{complain, counted};
 
@@ -14,18 +13,22 @@ use crate::cli::terminal::{complain, counted};
 #[derive(Args, Debug)]
 pub struct Live {
     /// Stream the run to Foxglove while it is simulated [default: 127.0.0.1:8765]
-    #[arg(long, value_name = "ADDRESS:PORT", value_parser = address)]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = host_address)]
     #[arg(num_args = 0..=1, require_equals = true, default_missing_value = "127.0.0.1:8765")]
-    live: Option<SocketAddr>,
+    live: Option<HostAddress>,
     /// With --live: wait for a client before the first step, at most this long
     #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "live")]
     live_wait: Option<Duration>,
+    /// With --live: also accept viewers whose page is from this site, such as
+    /// https://viewer.example.org; repeatable
+    #[arg(long, value_name = "ORIGIN", value_parser = origin, requires = "live")]
+    live_origin: Vec<String>,
 }
 
 impl Live {
     /// Starts to listen if `--live` is given. `pace` is in simulated seconds per second.
     pub fn start(&self, plan: &Plan, pace: Option<f64>) -> Result<Option<Box<dyn LiveClients>>, LiveError> {
-        let Some(address) = self.live else { return Ok(None) };
+        let Some(address) = &self.live else { return Ok(None) };
         if plan.runs() != 1 {
             let runs = counted(plan.runs(), plan.references());
             return Err(LiveError::SeveralRuns(runs));
@@ -34,17 +37,45 @@ impl Live {
     }
 
     #[cfg(feature = "live")]
-    fn listen(&self, address: SocketAddr, pace: Option<f64>) -> Result<Box<dyn LiveClients>, LiveError> {
-        let server = stiction::live::LiveServer::start(address)?;
+    fn listen(&self, address: &HostAddress, pace: Option<f64>) -> Result<Box<dyn LiveClients>, LiveError> {
+        let access = stiction::web::LocalAccess {
+            hosts: vec![address.host.clone()],
+            origins: self.live_origin.clone(),
+            ..stiction::web::LocalAccess::default()
+        };
+        let mut first = true;
+        let on_refusal = move |reason: &stiction::web::AccessError| {
+            if std::mem::take(&mut first) {
+                complain(&refusal(reason));
+            }
+        };
+        let server = stiction::live::LiveServer::start_with(address.at, access, Box::new(on_refusal))?;
         complain(&format!("live at ws://{}", server.address()));
         Ok(Box::new(Server { server, pace, wait_limit: self.live_wait, notes: std::sync::Mutex::default() }))
     }
 
     #[cfg(not(feature = "live"))]
-    fn listen(&self, _: SocketAddr, _: Option<f64>) -> Result<Box<dyn LiveClients>, LiveError> {
-        let _ = self.live_wait;
+    fn listen(&self, address: &HostAddress, _: Option<f64>) -> Result<Box<dyn LiveClients>, LiveError> {
+        let _ = (&address.host, &self.live_wait, &self.live_origin);
         Err(LiveError::NotBuilt)
     }
+}
+
+/// Parses an origin.
+fn origin(text: &str) -> Result<String, LiveError> {
+    if stiction::web::is_origin(text) { Ok(text.to_owned()) } else { Err(LiveError::Origin) }
+}
+
+/// Text about a client that is not permitted.
+#[cfg(feature = "live")]
+fn refusal(reason: &stiction::web::AccessError) -> String {
+    use stiction::web::AccessError::{Host, Hosts, Origin, Origins};
+    let help = match reason {
+        Origin(_) => "if it is the site of your viewer, `--live-origin` permits it",
+        Host(_) | Hosts(_) => "connect to localhost, or to the address that `--live` was given",
+        Origins(_) => "only a defective client sends several",
+    };
+    format!("live: refused a client: {reason}\nhelp: {help}")
 }
 
 /// Prints the notes on live clients.
@@ -62,6 +93,9 @@ pub enum LiveError {
     #[cfg(not(feature = "live"))]
     #[error("this program was built without --live; `cargo build --release --features live` builds it with")]
     NotBuilt,
+    /// Not `SCHEME://HOST` or `SCHEME://HOST:PORT`.
+    #[error("expected an origin without a path, such as https://viewer.example.org")]
+    Origin,
     /// The address cannot be listened on.
     #[cfg(feature = "live")]
     #[error(transparent)]

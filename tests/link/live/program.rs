@@ -23,16 +23,17 @@ impl Drop for KilledOnDrop {
 }
 
 /// A live run in the background.
-struct LiveRun {
+pub struct LiveRun {
     child: KilledOnDrop,
     stderr: BufReader<ChildStderr>,
     stderr_so_far: String,
-    port: u16,
+    /// TCP port of the server.
+    pub port: u16,
 }
 
 impl LiveRun {
     /// Starts the program, which waits 600 s for a client.
-    fn start(place: &Place, arguments: &[&str]) -> Self {
+    pub fn start(place: &Place, arguments: &[&str]) -> Self {
         let fixed = ["--live=127.0.0.1:0", "--live-wait", "600"];
         let mut command = place.command(&[arguments, &fixed].concat());
         let mut child = KilledOnDrop(command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap());
@@ -49,7 +50,7 @@ impl LiveRun {
         LiveRun { child, stderr, stderr_so_far, port }
     }
 
-    fn end(mut self) -> Done {
+    pub fn end(mut self) -> Done {
         // The summary on stdout fits into the pipe until it is read.
         let (mut stdout, mut stderr) = (String::new(), self.stderr_so_far);
         self.stderr.read_to_string(&mut stderr).unwrap();

@@ -30,9 +30,20 @@ pub enum ServerMessage {
 impl Viewer {
     /// Connects and reads the server's description.
     pub fn connect(port: u16, protocol: &str) -> Self {
+        let (line, response) = Self::handshake(port, &format!("Host: 127.0.0.1:{port}\r\n"), protocol);
+        assert!(response.starts_with("HTTP/1.1 101 "), "{response}");
+        assert!(response.contains("s3pPLMBiTxaQ9kYGzzhZRbK+xOo=") && response.contains(protocol), "{response}");
+        let mut viewer = Viewer { line, channels: BTreeMap::new(), topics: BTreeMap::new() };
+        let Some(ServerMessage::Text(info)) = viewer.receive() else { panic!("no server info") };
+        assert_eq!((&info["op"], &info["capabilities"]), (&json!("serverInfo"), &json!(["time"])));
+        viewer
+    }
+
+    /// Sends a handshake with these fields, which include the host, and reads the response.
+    pub fn handshake(port: u16, fields: &str, protocol: &str) -> (BufReader<TcpStream>, String) {
         let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
         let request = format!(
-            "GET / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
+            "GET / HTTP/1.1\r\n{fields}Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n\
              Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: {protocol}\r\n\r\n"
         );
         // A test fails instead of waiting forever.
@@ -43,12 +54,7 @@ impl Viewer {
         while !response.ends_with("\r\n\r\n") {
             assert_ne!(line.read_line(&mut response).unwrap(), 0, "{response}");
         }
-        assert!(response.starts_with("HTTP/1.1 101 "), "{response}");
-        assert!(response.contains("s3pPLMBiTxaQ9kYGzzhZRbK+xOo=") && response.contains(protocol), "{response}");
-        let mut viewer = Viewer { line, channels: BTreeMap::new(), topics: BTreeMap::new() };
-        let Some(ServerMessage::Text(info)) = viewer.receive() else { panic!("no server info") };
-        assert_eq!((&info["op"], &info["capabilities"]), (&json!("serverInfo"), &json!(["time"])));
-        viewer
+        (line, response)
     }
 
     /// Subscribes to the selected topics once they are advertised.
