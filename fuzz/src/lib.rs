@@ -4,10 +4,21 @@
 //!
 //! `tests/regressions` runs the same functions on previous findings.
 
+#![forbid(unsafe_code)]
+
+pub mod console;
+pub mod filter;
+pub mod http;
+#[cfg(feature = "live")]
+pub mod live;
+pub mod log;
 pub mod mesh;
 pub mod motion;
+pub mod results;
 pub mod robot_file;
+pub mod samples;
 pub mod scenario;
+pub mod scratch;
 pub mod script;
 pub mod tree;
 pub mod urdf;

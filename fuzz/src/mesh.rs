@@ -1,12 +1,9 @@
 //! Mesh files, named by a URDF in the same folder; the first byte selects the kind. Mesh readers
-//! open files, so the bytes are written to one, in memory if the system has an in-memory file
-//! system.
-
-use std::path::PathBuf;
+//! open files, so the bytes are written to one.
 
 use stiction::robot;
 
-use super::urdf;
+use super::{scratch, urdf};
 
 /// Kinds by letter: the file's extension.
 pub const KINDS: [(u8, &str); 3] = [(b's', "stl"), (b'o', "obj"), (b'd', "dae")];
@@ -15,10 +12,8 @@ pub const KINDS: [(u8, &str); 3] = [(b's', "stl"), (b'o', "obj"), (b'd', "dae")]
 pub fn take(data: &[u8]) {
     let Some((kind, bytes)) = data.split_first() else { return };
     let Some((_, extension)) = KINDS.iter().find(|(k, _)| k == kind) else { return };
-    let folder = folder();
-    let written =
-        std::fs::create_dir_all(&folder).and_then(|()| std::fs::write(folder.join(format!("mesh.{extension}")), bytes));
-    written.expect("room for a mesh");
+    let folder = scratch::folder("mesh");
+    scratch::write(&folder.join(format!("mesh.{extension}")), bytes);
     let shape = format!("<geometry><mesh filename=\"mesh.{extension}\" scale=\"1 1 -1\"/></geometry>");
     let text = format!(
         "<robot name=\"fuzzed\"><link name=\"body\"><inertial><mass value=\"1\"/>\
@@ -26,10 +21,4 @@ pub fn take(data: &[u8]) {
          <visual>{shape}</visual><collision>{shape}</collision></link></robot>"
     );
     urdf::inspect(robot::parse(&folder.join("fuzzed.urdf"), text, None));
-}
-
-fn folder() -> PathBuf {
-    let memory = PathBuf::from("/dev/shm");
-    let base = if memory.is_dir() { memory } else { std::env::temp_dir() };
-    base.join(format!("stiction-fuzz-{}", std::process::id()))
 }

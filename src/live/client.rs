@@ -21,7 +21,7 @@ const MAX_BACKLOG: usize = 16 << 20;
 /// descriptions.
 const MAX_RELIABLE: usize = 128 << 20;
 /// Largest length of a request, bytes.
-const MAX_REQUEST: usize = 1 << 20;
+pub(super) const MAX_REQUEST: usize = 1 << 20;
 /// Largest number of subscriptions.
 const MAX_SUBSCRIPTIONS: usize = 1024;
 /// Time limit of a handshake, from the start of the connection.

@@ -18,6 +18,7 @@
 //! Imports: `web`, `log`, `remote`. Used by: `cli`.
 
 mod client;
+mod client_bytes;
 mod feed;
 mod handshake;
 mod hub;
@@ -34,6 +35,8 @@ use std::time::{Duration, Instant};
 use crate::log::MessageSink;
 use crate::remote::{LinkError, nonce};
 use crate::web::{AccessError, LocalAccess};
+#[doc(hidden)]
+pub use client_bytes::read_client_bytes;
 use feed::{Feed, FeedReceiver};
 pub use handshake::{HandshakeResult, parse_handshake};
 use hub::Hub;

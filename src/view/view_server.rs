@@ -132,13 +132,18 @@ impl Pages {
                 if !connection.begin_transfer() {
                     return Ok(());
                 }
-                let response = match DrawnRun::read(&run.log) {
-                    Ok(run) => Response::bytes(pack(&run, self.rate).0),
-                    Err(error) => Response::refusal(500, error.to_string()),
-                };
+                let response = self.data(run);
                 connection.begin_sending();
                 response.write(head_only, connection)
             }
+        }
+    }
+
+    /// The data of a run.
+    fn data(&self, run: &ViewableRun) -> Response {
+        match DrawnRun::read(&run.log) {
+            Ok(run) => Response::bytes(pack(&run, self.rate).0),
+            Err(error) => Response::refusal(500, error.to_string()),
         }
     }
 
@@ -167,5 +172,26 @@ impl Pages {
             (Some(run), "data") => Page::Data(run),
             _ => Page::Ready(Response::refusal(404, "there is no such page")),
         }
+    }
+}
+
+impl ViewServer {
+    /// The response to the bytes of one connection, empty for a closed one, without a socket.
+    #[doc(hidden)]
+    pub fn answer_bytes(&self, bytes: &[u8]) -> Vec<u8> {
+        let mut response = Vec::new();
+        // Writing to memory cannot fail.
+        let _ = match http::read(bytes) {
+            Ok(request) => {
+                let answer = match self.pages.answer(&request) {
+                    Page::Ready(answer) => answer,
+                    Page::Data(run) => self.pages.data(run),
+                };
+                answer.write(request.method == "HEAD", &mut response)
+            }
+            Err(Some(refusal)) => refusal.write(false, &mut response),
+            Err(None) => Ok(()),
+        };
+        response
     }
 }

@@ -1,12 +1,5 @@
-//! Runs the parsers on mutated files of the repository. Mutations replace tokens by others of the
-//! file or by edge cases, delete, duplicate and move lines, and change characters. They are
-//! deterministic.
-
-use super::targets::{self, tree};
-use super::{Take, files};
-
-/// Mutated copies of each seed.
-const COPIES: u64 = 6;
+//! Deterministic mutations of text and bytes. Those of text replace tokens by others of the text or
+//! by edge cases, delete, duplicate and move lines, and change characters.
 
 /// Edge cases that replace a token.
 const EDGE_CASES: [&str; 18] = [
@@ -31,17 +24,17 @@ const EDGE_CASES: [&str; 18] = [
 ];
 
 /// SplitMix64: a seed gives the same stream on every machine.
-struct Stream(u64);
+pub struct Stream(pub u64);
 
 impl Stream {
-    fn next(&mut self) -> u64 {
+    pub fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ (z >> 31)
     }
 
-    fn below(&mut self, n: usize) -> usize {
+    pub fn below(&mut self, n: usize) -> usize {
         (self.next() % n.max(1) as u64) as usize
     }
 }
@@ -64,7 +57,8 @@ fn tokens(text: &str) -> Vec<(usize, usize)> {
     found
 }
 
-fn mutated(text: &str, stream: &mut Stream) -> String {
+/// A text with one to three mutations.
+pub fn mutated(text: &str, stream: &mut Stream) -> String {
     let mut text = text.to_owned();
     for _ in 0..1 + stream.below(3) {
         let tokens = tokens(&text);
@@ -97,85 +91,29 @@ fn mutated(text: &str, stream: &mut Stream) -> String {
     text
 }
 
-/// Runs a target on mutated copies of all files with this extension in folders of the repository;
-/// each letter is a prefix that selects the kind of input.
-fn check(target: Take, folders: &[&str], ending: &str, letters: &str) {
-    let mut folders: Vec<_> = folders.iter().map(|folder| tree::root().join(folder)).collect();
-    let mut seeds = Vec::new();
-    while let Some(folder) = folders.pop() {
-        for path in files(&folder) {
-            match path.extension() {
-                _ if path.is_dir() => folders.push(path),
-                Some(found) if found == ending => seeds.push(path),
-                _ => {}
+/// Bytes with one to four mutations: changed bits and bytes, edge cases of lengths, removed and
+/// repeated pieces, a cut end.
+pub fn mutated_bytes(bytes: &[u8], stream: &mut Stream) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    for _ in 0..1 + stream.below(4) {
+        let at = stream.below(bytes.len());
+        let end = bytes.len().min(at + 1 + stream.below(16));
+        match stream.below(7) {
+            0 => bytes.iter_mut().skip(at).take(1).for_each(|byte| *byte ^= 1 << stream.below(8)),
+            1 => bytes.iter_mut().skip(at).take(1).for_each(|byte| *byte = stream.next() as u8),
+            2 => {
+                let edge = [0, 1, 0x7f, 0x80, 0xff][stream.below(5)];
+                bytes[at..end].fill(edge);
             }
+            3 => drop(bytes.drain(at..end)),
+            4 => bytes.extend_from_within(at..end),
+            5 => {
+                let piece = bytes[at..end].to_vec();
+                let to = stream.below(bytes.len());
+                bytes.splice(to..to, piece);
+            }
+            _ => bytes.truncate(bytes.len() - stream.below(bytes.len().min(64))),
         }
     }
-    assert!(!seeds.is_empty(), "no {ending}");
-    seeds.sort();
-    for (number, path) in seeds.iter().enumerate() {
-        let text = std::fs::read_to_string(path).unwrap();
-        for copy in 0..COPIES {
-            let mut stream = Stream(1000 * number as u64 + copy);
-            let mutated = mutated(&text, &mut stream);
-            // Printed if the test panics.
-            println!("{} mutated, copy {copy}:\n{mutated}", path.display());
-            if letters.is_empty() {
-                target(mutated.as_bytes());
-            }
-            letters.chars().for_each(|letter| target(format!("{letter}{mutated}").as_bytes()));
-        }
-    }
-}
-
-#[test]
-fn nearly_valid_scenarios_do_not_panic() {
-    check(targets::scenario::take, &["scenarios", "tests/scenario"], "toml", "");
-}
-
-#[test]
-fn nearly_valid_robot_files_do_not_panic() {
-    check(targets::robot_file::take, &["robots"], "toml", "");
-}
-
-#[test]
-fn nearly_valid_urdfs_do_not_panic() {
-    check(targets::urdf::take, &["robots", "scenarios"], "urdf", "");
-}
-
-#[test]
-fn nearly_valid_motions_do_not_panic() {
-    check(targets::motion::take, &["scenarios/motions"], "toml", "p");
-    check(targets::motion::take, &["scenarios/motions"], "csv", "clm");
-    check(targets::motion::take, &["scenarios/motions"], "bvh", "b");
-}
-
-#[test]
-fn nearly_valid_scripts_do_not_panic() {
-    check(targets::script::take, &["scenarios"], "luau", "tTHfF");
-}
-
-#[test]
-fn nearly_valid_meshes_do_not_panic() {
-    check(targets::mesh::take, &["fuzz/seeds/mesh"], "obj", "o");
-    check(targets::mesh::take, &["fuzz/seeds/mesh"], "dae", "d");
-}
-
-#[test]
-fn nearly_valid_packets_do_not_panic() {
-    let mut stream = Stream(1);
-    for kind in targets::wire::KINDS {
-        for tag in targets::wire::TAGS {
-            for copy in 0..200 {
-                let mut packet = vec![kind, tag, if copy % 4 == 0 { stream.next() as u8 } else { 0 }];
-                for _ in 0..stream.below(4) {
-                    // Half of the offsets fall into the header and the sizes.
-                    let end = if stream.below(2) == 0 { 64 } else { 1024 };
-                    packet.extend_from_slice(&(stream.below(end) as u16).to_le_bytes());
-                    packet.push(stream.next() as u8);
-                }
-                targets::wire::take(&packet);
-            }
-        }
-    }
+    bytes
 }

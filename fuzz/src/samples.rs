@@ -1,0 +1,96 @@
+//! Results of a small batch of a sliding block: valid files that are mutated, and the surroundings
+//! of a fuzzed file.
+
+use std::path::{Path, PathBuf};
+
+use stiction::files::names;
+use stiction::{Options, run_batch};
+
+use super::{scratch, tree};
+
+/// Two runs with logs, expectations, parameters, a reference run and events.
+const SCENARIO: &str = r#"
+duration = 0.02
+[robot]
+model = "MODEL"
+base = { position = [0, 0, 0.05], linear_velocity = [1, 0, 0] }
+[log]
+rate = 500
+[compare]
+reference = { "integrator.relative_tolerance" = 1e-7 }
+[[expect]]
+metric = "final_base_x"
+min = 0.0
+max = 0.001
+[[event]]
+at = 0.01
+set = { "floor.friction" = 0.2 }
+[sweep.grid]
+"contact.method" = ["exact", "one-step"]
+"#;
+
+thread_local! {
+    static RESULTS: PathBuf = batch();
+}
+
+fn batch() -> PathBuf {
+    let folder = scratch::folder("samples");
+    let model = tree::root().join("robots/block/block.toml");
+    let scenario = folder.join("slide.toml");
+    scratch::write(&scenario, SCENARIO.replace("MODEL", model.to_str().expect("UTF-8")).as_bytes());
+    let output = folder.join("results");
+    let options = Options { output: output.clone(), jobs: 1, ..Options::default() };
+    let report = run_batch([&scenario], options).expect("a sound batch");
+    assert_eq!(report.statistics.runs(), 2);
+    output
+}
+
+/// Folder of the results.
+pub fn results() -> PathBuf {
+    RESULTS.with(PathBuf::clone)
+}
+
+/// Folder of a run.
+pub fn run() -> PathBuf {
+    let runs = std::fs::read_dir(results().join("slide")).expect("results");
+    let mut folders: Vec<_> = runs.map(|run| run.expect("a run").path()).collect();
+    folders.retain(|path| path.file_name().is_some_and(|name| name != names::REFERENCES));
+    folders.sort();
+    folders.remove(0)
+}
+
+/// Its log.
+pub fn log() -> PathBuf {
+    run().join(names::LOG)
+}
+
+/// Its record without the checksum: a mutated record would otherwise only be refused for that.
+pub fn record() -> String {
+    without_checksum(&text(&run().join(names::RUN_RECORD)))
+}
+
+/// `runs.jsonl` without checksums.
+pub fn runs_log() -> String {
+    text(&results().join(names::RUNS_LOG)).lines().map(|line| without_checksum(line) + "\n").collect()
+}
+
+/// `shard.jsonl` of a plan of these runs.
+pub fn shard_list() -> String {
+    let key = run().file_name().expect("a name").to_string_lossy().into_owned();
+    let head = stiction::results::ShardHead::new(1, 2, 2, "0123456789abcdef".into());
+    let run = stiction::results::ShardRun { at: 0, scenario: "slide".into(), key };
+    let line = |text: serde_json::Result<String>| text.expect("JSON") + "\n";
+    line(serde_json::to_string(&head)) + &line(serde_json::to_string(&run))
+}
+
+/// The text of a file.
+pub fn text(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn without_checksum(object: &str) -> String {
+    match object.rfind(",\"checksum\"").or_else(|| object.rfind(",\n  \"checksum\"")) {
+        Some(at) => object[..at].to_owned() + if object[at..].contains('\n') { "\n}\n" } else { "}" },
+        None => object.to_owned(),
+    }
+}

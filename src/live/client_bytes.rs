@@ -1,0 +1,53 @@
+//! Reads the bytes of a client without a socket, as [`client`](super::client) does: handshake,
+//! frames, requests. For fuzzing.
+
+use std::io::{Cursor, ErrorKind, Read, Write};
+
+use tungstenite::protocol::{Role, WebSocketConfig};
+use tungstenite::{Error, Message, WebSocket};
+
+use crate::live::client::MAX_REQUEST;
+use crate::live::handshake::{HandshakeResult, parse_handshake};
+use crate::live::protocol::Request;
+use crate::web::LocalAccess;
+
+/// A stream of received bytes; written ones are dropped.
+struct Received(Cursor<Vec<u8>>);
+
+impl Read for Received {
+    fn read(&mut self, to: &mut [u8]) -> std::io::Result<usize> {
+        match self.0.read(to)? {
+            0 => Err(ErrorKind::WouldBlock.into()),
+            count => Ok(count),
+        }
+    }
+}
+
+impl Write for Received {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Number of valid requests after an accepted handshake.
+#[doc(hidden)]
+pub fn read_client_bytes(bytes: &[u8]) -> usize {
+    let HandshakeResult::Accept(response, length) = parse_handshake(bytes, &LocalAccess::default()) else { return 0 };
+    debug_assert!(response.ends_with("\r\n\r\n") && length <= bytes.len());
+    let config = WebSocketConfig::default().max_message_size(Some(MAX_REQUEST)).max_frame_size(Some(MAX_REQUEST));
+    let rest = Received(Cursor::new(bytes[length..].to_vec()));
+    let mut socket = WebSocket::from_raw_socket(rest, Role::Server, Some(config));
+    let mut requests = 0;
+    loop {
+        match socket.read() {
+            Ok(Message::Text(text)) => requests += usize::from(serde_json::from_str::<Request>(&text).is_ok()),
+            Ok(_) => {}
+            Err(Error::Io(error)) if error.kind() == ErrorKind::Interrupted => {}
+            Err(_) => return requests,
+        }
+    }
+}
