@@ -7,6 +7,7 @@
 use divan::Bencher;
 use std::path::{Path, PathBuf};
 use stiction::collision::{CollisionModel, Detector, LinkPose, link_poses};
+use stiction::math;
 use stiction::random::Stream;
 use stiction::robot::{Model, Robot};
 
@@ -56,7 +57,7 @@ fn postures(model: &Model, kind: &str) -> Vec<Vec<f64>> {
     let phases: Vec<f64> = model.joints.iter().map(|_| std::f64::consts::TAU * r.unit()).collect();
     let mut posture = |k: usize| -> Vec<f64> {
         let share = |phase: &f64| match kind {
-            "coherent" => 0.5 + 0.4 * (phase + std::f64::consts::TAU * 0.005 * k as f64).sin(),
+            "coherent" => 0.5 + 0.4 * math::sin(phase + std::f64::consts::TAU * 0.005 * k as f64),
             _ => r.unit(),
         };
         let joints = model.joints.iter().zip(phases.iter().map(share));

@@ -2,6 +2,9 @@
 //!
 //!     cargo run --release --example own_force_and_task
 
+// The functions of `f64` may give other last digits on another processor.
+#![allow(clippy::disallowed_methods)]
+
 use std::error::Error;
 use stiction::nalgebra::{Point3, Vector3};
 use stiction::{AppliedForces, Command, Context, Force, ForceContext, Scenario, Status, Task, TaskResult};

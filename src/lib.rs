@@ -23,6 +23,8 @@
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
+// Unit tests compare with the functions of `f64`, which `clippy.toml` forbids elsewhere.
+#![cfg_attr(test, allow(clippy::disallowed_methods, clippy::disallowed_types))]
 
 // Modules of the program. They are public for `runner`, tests and benches, but are not part of the
 // documented library. They are hidden from rustdoc alone, so that the lint above covers them too.
@@ -56,6 +58,8 @@ pub mod linalg;
 pub mod live;
 #[cfg_attr(doc, doc(hidden))]
 pub mod log;
+#[cfg_attr(doc, doc(hidden))]
+pub mod math;
 #[cfg_attr(doc, doc(hidden))]
 pub mod metrics;
 #[cfg_attr(doc, doc(hidden))]

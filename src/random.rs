@@ -1,8 +1,9 @@
 //! Random numbers from a seed and a purpose, the same on every machine.
 //!
-//! Imports: nothing of this crate. Used by: `collision`, `force`, `script`, `scenario`, `sim`,
-//! `assemble`, `remote`.
+//! Imports: `math`. Used by: `collision`, `force`, `script`, `scenario`, `sim`, `assemble`,
+//! `remote`.
 
+use crate::math;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
@@ -26,13 +27,13 @@ impl Stream {
 
     /// A uniform number in (0, 1): 52 random bits plus half of the last one, so never 0 or 1.
     pub fn unit(&mut self) -> f64 {
-        ((self.0.next_u64() >> 12) as f64 + 0.5) * 0.5f64.powi(52)
+        ((self.0.next_u64() >> 12) as f64 + 0.5) * math::powi(0.5, 52)
     }
 
     /// A standard normal number, `sqrt(-2 ln u) cos(2 pi w)` [Box 1958].
     pub fn normal(&mut self) -> f64 {
         let (u, w) = (self.unit(), self.unit());
-        (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * w).cos()
+        (-2.0 * math::ln(u)).sqrt() * math::cos(std::f64::consts::TAU * w)
     }
 
     /// A whole number below `n` (at least 1), each equally likely: numbers beyond the greatest

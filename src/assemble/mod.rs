@@ -1,8 +1,9 @@
 //! Assembles a [`Setup`] from a scenario's run and a loaded robot: resolves names, and reports
 //! values that do not fit the robot.
 //!
-//! Imports: `text`, `integrate`, `random`, `robot`, `dynamics`, `motion`, `contact`, `collision`,
-//! `task`, `force`, `script`, `scenario`, `sim`, `log`. Used by: `batch`, `console`, `api`.
+//! Imports: `math`, `text`, `integrate`, `random`, `robot`, `dynamics`, `motion`, `contact`,
+//! `collision`, `task`, `force`, `script`, `scenario`, `sim`, `log`. Used by: `batch`, `console`,
+//! `api`.
 
 mod balance;
 mod events;
@@ -23,6 +24,7 @@ mod tasks;
 use crate::contact::model::problem::Tolerances;
 use crate::contact::model::state::SoleState;
 use crate::integrate::{BS23, DOPRI5, RK4};
+use crate::math;
 use crate::robot::{Model, Robot, SoleId};
 use crate::scenario::{
     Diagnostic, Diagnostics, EventHandling, FloorSpec, IntegratorMethod, IntegratorSpec, JointLimits, PatchSpec, Run,
@@ -171,7 +173,7 @@ fn rest_speed(run: &Run) -> f64 {
     let spec = &run.scenario.integrator;
     let unresolved = match spec.method {
         IntegratorMethod::Dopri5 | IntegratorMethod::Bs23 => 10.0 * spec.absolute_tolerance,
-        IntegratorMethod::Rk4 => 1e3 * spec.step.powi(4),
+        IntegratorMethod::Rk4 => 1e3 * math::powi(spec.step, 4),
         IntegratorMethod::SemiImplicit => return 1e-9,
     };
     unresolved.clamp(1e-10, 1e-4)

@@ -18,7 +18,7 @@
 //! - scans all vertices for a support point; here a climb starts at the pair's last result,
 //! - allocates in EPA; the stepping loop here must not allocate.
 //!
-//! Imports: `geometry`, `random`, `robot`, `motion`. Used by: `sim`, `assemble`, `cli`.
+//! Imports: `math`, `geometry`, `random`, `robot`, `motion`. Used by: `sim`, `assemble`, `cli`.
 
 pub mod avoidance;
 pub mod detection;

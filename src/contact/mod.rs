@@ -15,8 +15,8 @@
 //! Independent of robots, scenarios and time integration. `sim` assembles the problems and applies
 //! the solutions. Rules and their proofs: `docs/contact.md`.
 //!
-//! Imports: `text`, `linalg`. Used by: `task`, `scenario`, `sim`, `log`, `assemble`, `results`,
-//! `report`, `batch`.
+//! Imports: `math`, `text`, `linalg`. Used by: `task`, `scenario`, `sim`, `log`, `assemble`,
+//! `results`, `report`, `batch`.
 
 pub mod hybrid;
 pub mod methods;

@@ -15,6 +15,7 @@
 use super::spatial::{Inertia, Motion};
 use super::state::State;
 use super::workspace::Workspace;
+use crate::math;
 use crate::robot::{JointKind, Model};
 use nalgebra::{Matrix3, Vector3};
 
@@ -44,7 +45,7 @@ pub fn positions(model: &Model, state: &State, ws: &mut Workspace) {
         let rotation = match joint.kind {
             JointKind::Revolute | JointKind::Continuous => {
                 *axis = Motion::new(origin.cross(&z), z);
-                let (s, c) = q.sin_cos();
+                let (s, c) = math::sin_cos(q);
                 let (x, y) = (turned.column(0), turned.column(1));
                 Matrix3::from_columns(&[x * c + y * s, y * c - x * s, z])
             }

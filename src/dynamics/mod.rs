@@ -17,7 +17,8 @@
 //!
 //! Source of the algorithms: [Featherstone 2008], chapters 5 to 8.
 //!
-//! Imports: `robot`. Used by: `task`, `force`, `script`, `sim`, `assemble`, `remote`, `console`.
+//! Imports: `math`, `robot`. Used by: `task`, `force`, `script`, `sim`, `assemble`, `remote`,
+//! `console`.
 
 pub mod aba;
 pub mod body;

@@ -10,6 +10,7 @@
 //! every waypoint. The anchor rests at the first waypoint before its time, and at the last one
 //! after its time.
 
+use crate::math;
 use crate::motion::minimum_jerk::minimum_jerk;
 use nalgebra::Vector3;
 
@@ -58,7 +59,7 @@ impl Anchor {
             AnchorPath::Line(velocity) => (self.origin + velocity * t, *velocity),
             AnchorPath::Sine { amplitude, frequency, phase } => {
                 let rate = std::f64::consts::TAU * frequency;
-                let (sin, cos) = (rate * t + phase).sin_cos();
+                let (sin, cos) = math::sin_cos(rate * t + phase);
                 (self.origin + amplitude * sin, amplitude * (rate * cos))
             }
             AnchorPath::Waypoints { knots, smooth } => interpolate(knots, *smooth, time, within),

@@ -4,7 +4,7 @@
 //! state that the adaptive integrator visits. It gives in advance the times at which it is not
 //! smooth, so that steps end there.
 //!
-//! Imports: `random`, `robot`, `dynamics`, `motion`. Used by: `script`, `sim`, `assemble`.
+//! Imports: `math`, `random`, `robot`, `dynamics`, `motion`. Used by: `script`, `sim`, `assemble`.
 
 pub mod anchor;
 pub mod drag;

@@ -3,6 +3,8 @@
 //! With `s = (t - start) / duration`: `constant` 1, `half-sine` sin(pi s), `triangle` 1 - |2 s -
 //! 1|, each zero outside 0 <= s < 1; `ramp` rises as s and stays at 1.
 
+use crate::math;
+
 /// Shape over time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Shape {
@@ -55,7 +57,7 @@ impl Profile {
             Shape::Ramp => 1.0,
             _ if piece >= 1.0 => 0.0,
             Shape::Constant => 1.0,
-            Shape::HalfSine => (std::f64::consts::PI * s).sin(),
+            Shape::HalfSine => math::sin(std::f64::consts::PI * s),
             Shape::Triangle if piece < 0.5 => 2.0 * s,
             Shape::Triangle => 2.0 - 2.0 * s,
         }

@@ -8,6 +8,7 @@
 use super::profile::{Profile, Shape};
 use super::wrench::Wrench;
 use super::{AppliedForces, Force, ForceContext, ReportEvent};
+use crate::math;
 use crate::random::Stream;
 use crate::robot::LinkId;
 use nalgebra::Vector3;
@@ -87,7 +88,7 @@ fn draw_starts(from: &Distribution, stream: &mut Stream) -> Vec<f64> {
         Count::Rate(rate) => {
             let mut at = from.start;
             let next = || {
-                at -= stream.unit().ln() / rate;
+                at -= math::ln(stream.unit()) / rate;
                 (at < from.start + from.span).then_some(at)
             };
             std::iter::from_fn(next).take(MAX_PUSHES).collect()
@@ -101,7 +102,7 @@ impl Distribution {
         let mut between = |[a, b]: [f64; 2]| a + (b - a) * stream.unit();
         let (magnitude, duration) = (between(self.magnitude), between(self.duration));
         let up = if self.horizontal { 0.0 } else { between([-1.0, 1.0]) };
-        let (sin, cos) = between([0.0, std::f64::consts::TAU]).sin_cos();
+        let (sin, cos) = math::sin_cos(between([0.0, std::f64::consts::TAU]));
         let flat = (1.0 - up * up).sqrt();
         let wrench = Wrench {
             link: *link,

@@ -1,6 +1,7 @@
 //! Checks that points form a sole: a point, a segment, or a strictly convex planar polygon in
 //! order.
 
+use crate::math;
 use nalgebra::Vector3;
 
 /// Fraction of the polygon's size below which points coincide, or are in one plane.
@@ -77,7 +78,7 @@ pub fn check(points: &[Vector3<f64>]) -> Result<(), PolygonDefect> {
         if sine < 0.0 {
             return Err(PolygonDefect::NotConvex((i + 1) % n));
         }
-        turning += sine.atan2(into.dot(&out));
+        turning += math::atan2(sine, into.dot(&out));
     }
     // A star turns left at every point but winds twice.
     if turning > 3.0 * std::f64::consts::PI {

@@ -1,5 +1,6 @@
 //! Convex outlines of planar point sets in space.
 
+use crate::math;
 use nalgebra::Vector3;
 
 /// Convex outline of points seen along `up`, counter-clockwise. Its vertices are given points;
@@ -16,7 +17,7 @@ pub fn convex_outline(points: &[Vector3<f64>], up: &Vector3<f64>) -> Vec<Vector3
     let mut flat: Vec<(f64, f64, Vector3<f64>)> = points.iter().map(|p| (across.dot(p), along.dot(p), *p)).collect();
     let snap = |x: f64| if tolerance > 0.0 { (x / tolerance).round() } else { x };
     flat.sort_by(|a, b| snap(a.0).total_cmp(&snap(b.0)).then(a.1.total_cmp(&b.1)));
-    flat.dedup_by(|a, b| (a.0 - b.0).hypot(a.1 - b.1) <= tolerance);
+    flat.dedup_by(|a, b| math::hypot(a.0 - b.0, a.1 - b.1) <= tolerance);
     if flat.len() < 3 {
         return flat.into_iter().map(|p| p.2).collect();
     }

@@ -1,5 +1,6 @@
 //! Convex hulls in space, by `parry3d`, and the outermost points of large sets.
 
+use crate::math;
 use nalgebra::{Point3, Vector3};
 use parry3d_f64::math::Vector as ParryVector;
 use parry3d_f64::transformation::try_convex_hull;
@@ -9,7 +10,7 @@ pub fn spread(n: usize) -> Vec<Vector3<f64>> {
     let golden = std::f64::consts::PI * (3.0 - 5.0f64.sqrt());
     let direction = |i: usize| {
         let z = 1.0 - (2 * i + 1) as f64 / n as f64;
-        let (sin, cos) = (golden * i as f64).sin_cos();
+        let (sin, cos) = math::sin_cos(golden * i as f64);
         let r = (1.0 - z * z).sqrt();
         Vector3::new(r * cos, r * sin, z)
     };

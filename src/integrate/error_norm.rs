@@ -8,6 +8,7 @@
 //! step. Components of one vector form a group, so that the norm does not depend on the axes in
 //! which the vector is expressed.
 
+use crate::math;
 use std::ops::Range;
 
 /// The error of a step in units of its tolerance. `error` gives its components, `ends` the solution
@@ -21,7 +22,7 @@ pub fn error_norm(
     let mut worst: f64 = 0.0;
     for group in groups {
         let norm = |y: &[f64]| y[group.clone()].iter().map(|x| x * x).sum::<f64>().sqrt();
-        let e = group.clone().map(|i| error(i).powi(2)).sum::<f64>().sqrt();
+        let e = group.clone().map(|i| math::powi(error(i), 2)).sum::<f64>().sqrt();
         if !e.is_finite() {
             return f64::INFINITY;
         }

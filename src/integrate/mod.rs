@@ -7,7 +7,7 @@
 //!
 //! `sim` steps with it, `assemble` chooses the tableau.
 //!
-//! Imports: nothing of this crate. Used by: `sim`, `assemble`.
+//! Imports: `math`. Used by: `sim`, `assemble`.
 
 pub mod bs23;
 pub mod dopri5;

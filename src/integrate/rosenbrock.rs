@@ -13,7 +13,11 @@
 //! weights are those of PETSc's TSROSWRA34PW2; unlike a Hermite interpolant it does not use
 //! derivatives at the end of the step, in which stiffness amplifies errors.
 
+// For storage and solves; there are no products of two matrices.
+#![allow(clippy::disallowed_types)]
+
 use super::{System, error_norm};
+use crate::math;
 use nalgebra::DMatrix;
 use std::ops::Range;
 
@@ -66,7 +70,8 @@ impl StiffPart {
 
     /// Upper bound of the modulus of its eigenvalues, 1/s: the norm of V^T U.
     pub fn rate(&self) -> f64 {
-        let square = |r: usize| (0..self.rank).map(|c| dot(&self.rows[r], &self.columns[c]).powi(2)).sum::<f64>();
+        let square =
+            |r: usize| (0..self.rank).map(|c| math::powi(dot(&self.rows[r], &self.columns[c]), 2)).sum::<f64>();
         (0..self.rank).map(square).sum::<f64>().sqrt()
     }
 

@@ -6,6 +6,8 @@
 //! integral from t0 of p dt = p0 (t - t0) + (p1 - p0) T (5/2 s^4 - 3 s^5 + s^6)     (s <= 1)
 //! ```
 
+use crate::math;
+
 /// Progress and its rate (1/s) of a minimum-jerk move of length `duration` at time `t` after its
 /// start.
 pub fn minimum_jerk(t: f64, duration: f64) -> (f64, f64) {
@@ -56,7 +58,7 @@ impl SmoothTransition {
             return self.to * t - 0.5 * (self.to - self.from) * self.duration;
         }
         let s = t / self.duration;
-        self.from * t + (self.to - self.from) * self.duration * s.powi(4) * (2.5 - s * (3.0 - s))
+        self.from * t + (self.to - self.from) * self.duration * math::powi(s, 4) * (2.5 - s * (3.0 - s))
     }
 }
 

@@ -7,7 +7,7 @@
 //!
 //! Independent of robots.
 //!
-//! Imports: `text`. Used by: `collision`, `task`, `force`, `assemble`.
+//! Imports: `math`, `text`. Used by: `collision`, `task`, `force`, `assemble`.
 
 pub mod bvh;
 pub mod columns;

@@ -1,5 +1,6 @@
 //! Axes: range, labelled values, and position of a value.
 
+use crate::math;
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
 use std::ops::Range;
 
@@ -21,7 +22,7 @@ impl Ranged for Axis {
     type ValueType = f64;
 
     fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        let scaled = |v: f64| if self.logarithmic { v.log10() } else { v };
+        let scaled = |v: f64| if self.logarithmic { math::log10(v) } else { v };
         // Halves, since the difference of two numbers may overflow.
         let (from, to, value) = (scaled(self.from) / 2.0, scaled(self.to) / 2.0, scaled(*value) / 2.0);
         let share = (value - from) / (to - from);
@@ -57,7 +58,7 @@ const MAX_LABELS: i32 = 8;
 
 /// A logarithmic axis around positive values; at least a decade.
 pub(super) fn logarithmic(values: impl Iterator<Item = f64>) -> Axis {
-    let logs = values.map(|v| clamped(v).log10());
+    let logs = values.map(|v| math::log10(clamped(v)));
     let (low, high) = logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     let (low, high) = if low <= high { (low, high) } else { (-1.0, 0.0) };
     let room = (0.06 * (high - low)).max(0.5 * (1.0 - (high - low))).max(0.08);
@@ -66,7 +67,7 @@ pub(super) fn logarithmic(values: impl Iterator<Item = f64>) -> Axis {
     let decades: Vec<i32> = (first..=last).collect();
     let mantissas = |of: &[f64]| -> Vec<f64> {
         let all = (first - 1..=last).flat_map(|d| of.iter().map(move |m| m * power(d)));
-        all.filter(|v| (low..=high).contains(&v.log10())).collect()
+        all.filter(|v| (low..=high).contains(&math::log10(*v))).collect()
     };
     let stride = (last - first) / MAX_LABELS + 1;
     let (ticks, fine) = match decades.len() {
@@ -82,7 +83,7 @@ pub(super) fn logarithmic(values: impl Iterator<Item = f64>) -> Axis {
             (labelled, fine)
         }
     };
-    Axis { from: 10f64.powf(low), to: 10f64.powf(high), ticks, fine, logarithmic: true }
+    Axis { from: math::powf(10.0, low), to: math::powf(10.0, high), ticks, fine, logarithmic: true }
 }
 
 /// A size that a logarithmic axis can show.
@@ -100,7 +101,7 @@ fn logarithmic_label(value: f64) -> String {
     if (0.1..100.0).contains(&value) {
         return format!("{value}");
     }
-    let exponent = (value.log10() + 1e-9).floor() as i32;
+    let exponent = (math::log10(value) + 1e-9).floor() as i32;
     let mantissa = (value / power(exponent)).round();
     let raised: String = exponent.to_string().chars().map(superscript).collect();
     if mantissa == 1.0 { format!("10{raised}") } else { format!("{mantissa}·10{raised}") }
@@ -133,7 +134,7 @@ pub(super) fn linear(values: impl Iterator<Item = f64>, labels: u32, least: f64)
 
 /// 1, 2 or 5 times a power of ten, near `about`.
 fn step(about: f64) -> f64 {
-    let decade = 10f64.powf(about.log10().floor());
+    let decade = math::powf(10.0, math::log10(about).floor());
     let times = [1.0, 2.0, 5.0].into_iter().find(|m| m * decade >= 0.99 * about).unwrap_or(10.0);
     times * decade
 }
@@ -148,7 +149,7 @@ fn linear_label(value: f64, axis: &Axis) -> String {
     if !(1e-4..1e6).contains(&largest) {
         return if value.abs() < step / 2.0 { "0".to_owned() } else { format!("{value:.1e}") };
     }
-    let decimals = (-step.log10() + 0.01).ceil().clamp(0.0, 9.0) as usize;
+    let decimals = (-math::log10(step) + 0.01).ceil().clamp(0.0, 9.0) as usize;
     // No minus before a zero.
     let value = if value.abs() < step / 2.0 { 0.0 } else { value };
     format!("{value:.decimals$}")

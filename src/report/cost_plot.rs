@@ -1,6 +1,7 @@
 //! Draws the work-precision picture: error over cost, both logarithmic, one curve per method.
 
 use crate::files::RecordError;
+use crate::math;
 use crate::metrics::unit;
 use crate::report::axis::{self, logarithmic};
 use crate::report::canvas::{Area, DrawError, Mark, Overlay, PixelPoint, SCALE, picture, swatch, text};
@@ -102,7 +103,7 @@ fn draw(
     let least = nonzero().fold(f64::INFINITY, f64::min);
     let least = axis::clamped(if least.is_finite() { least } else { 1e-15 });
     // Errors of 0 are drawn a whole decade below the least.
-    let floor = 10f64.powf((least.log10() - 1.0).floor());
+    let floor = math::powf(10.0, (math::log10(least) - 1.0).floor());
     let zeros = spots.iter().any(|s| s.error == 0.0);
     let mut y = logarithmic(nonzero().chain(zeros.then_some(floor)));
     if zeros {

@@ -1,5 +1,6 @@
 //! Labels of the page: short numbers and names of runs.
 
+use crate::math;
 use crate::results::{SummaryRow, is_truth};
 
 /// A number to three digits, with an exponent where that is shorter. The summary has all digits.
@@ -11,7 +12,7 @@ pub(super) fn short(x: f64) -> String {
     } else if !x.is_finite() || !(1e-3..1e5).contains(&size) {
         format!("{x:.2e}")
     } else {
-        let decimals = (2 - size.log10().floor() as i32).max(0) as usize;
+        let decimals = (2 - math::log10(size).floor() as i32).max(0) as usize;
         let text = format!("{x:.decimals$}");
         if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
     }

@@ -12,8 +12,8 @@
 //! Names, messages and paths are untrusted text: the templates escape all of it. The size of the
 //! page is bounded for any number of runs, and the page states what it omits.
 //!
-//! Imports: `text`, `files`, `metrics`, `contact`, `sim`, `log`, `results`. Used by: `batch`,
-//! `cli`.
+//! Imports: `math`, `text`, `files`, `metrics`, `contact`, `sim`, `log`, `results`. Used by:
+//! `batch`, `cli`.
 
 mod axis;
 mod canvas;

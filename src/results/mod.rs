@@ -15,8 +15,8 @@
 //! whole. Simulated results depend on the run alone; wall-clock times have columns and an object of
 //! their own.
 //!
-//! Imports: `text`, `files`, `metrics`, `contact`, `sim`. Used by: `report`, `batch`, `replay`,
-//! `view`, `submit`, `cli`.
+//! Imports: `math`, `text`, `files`, `metrics`, `contact`, `sim`. Used by: `report`, `batch`,
+//! `replay`, `view`, `submit`, `cli`.
 
 pub mod compare;
 mod discovery;

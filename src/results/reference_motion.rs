@@ -1,6 +1,7 @@
 //! Compares runs with the trajectory of a reference run while they are simulated.
 
 use crate::contact::model::state::{Mode, SoleState};
+use crate::math;
 use crate::results::Comparison;
 use crate::sim::Sample;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -114,7 +115,7 @@ impl Comparator {
         self.position += apart.norm_squared();
         let rotation = Quaternion::new(values[7], values[4], values[5], values[6]);
         self.last = (apart.norm(), angle(&sample.rotation, &UnitQuaternion::new_unchecked(rotation)));
-        self.joints += sample.joints.iter().zip(&values[8..8 + joints]).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+        self.joints += sample.joints.iter().zip(&values[8..8 + joints]).map(|(a, b)| math::powi(a - b, 2)).sum::<f64>();
         let forces = values[8 + joints..].chunks_exact(3).map(|f| Vector3::new(f[0], f[1], f[2]));
         self.force += sample.forces.iter().zip(forces).map(|(a, b)| (a - b).norm_squared()).sum::<f64>();
         self.agreements += sample.states.iter().zip(states).filter(|(a, b)| merge_modes(**a) == **b).count() as u64;
@@ -147,7 +148,7 @@ impl Comparator {
 /// orientation.
 fn angle(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> f64 {
     let (near, far) = ((a.coords - b.coords).norm(), (a.coords + b.coords).norm());
-    4.0 * near.min(far).atan2(near.max(far))
+    4.0 * math::atan2(near.min(far), near.max(far))
 }
 
 #[cfg(test)]

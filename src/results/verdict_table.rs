@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::math;
 use crate::results::is_truth;
 use crate::results::{SummaryRow, Verdict};
 use crate::text::text_table::{Alignment, TextTable, clip, significant};
@@ -109,7 +110,7 @@ fn trimmed(number: &str) -> String {
 fn digits(verdict: &Verdict) -> usize {
     match (verdict.measured, verdict.error) {
         (Some(measured), Some(error)) if !verdict.held && error != 0.0 && measured.is_finite() => {
-            let needed = (measured / error).abs().log10().ceil() + 2.0;
+            let needed = math::log10((measured / error).abs()).ceil() + 2.0;
             needed.clamp(DIGITS as f64, 17.0) as usize
         }
         _ => DIGITS,

@@ -11,6 +11,8 @@
 //! floor's exact friction. Choose v_s small compared with the speeds of interest, and compared with
 //! v_str if static friction is to reach its full value. Smaller values cost integration steps.
 
+use crate::math;
+
 /// Slip speed when none is given, rad/s or m/s.
 pub const SLIP_SPEED: f64 = 0.05;
 /// Stribeck speed when none is given, rad/s or m/s.
@@ -48,7 +50,7 @@ impl JointFrictionLaw {
     /// Size of the dry friction at the joint velocity `qd`, before the hyperbolic tangent.
     fn dry(&self, qd: f64) -> f64 {
         if self.static_ > self.coulomb {
-            self.coulomb + (self.static_ - self.coulomb) * (-(qd / self.stribeck_velocity).powi(2)).exp()
+            self.coulomb + (self.static_ - self.coulomb) * math::exp(-math::powi(qd / self.stribeck_velocity, 2))
         } else {
             self.coulomb
         }
@@ -62,7 +64,7 @@ impl JointFrictionLaw {
     /// Effort at the joint velocity `qd`.
     pub fn effort(&self, qd: f64) -> f64 {
         let viscous = -(self.viscous * qd);
-        if self.is_dry() { viscous + -self.dry(qd) * (qd / self.slip_velocity).tanh() } else { viscous }
+        if self.is_dry() { viscous + -self.dry(qd) * math::tanh(qd / self.slip_velocity) } else { viscous }
     }
 
     /// `-effort / qd`: the damping that replaces friction in a velocity-level step. Evaluated at
@@ -73,7 +75,7 @@ impl JointFrictionLaw {
             return self.viscous;
         }
         let x = qd.abs() / self.slip_velocity;
-        let steep = if x > 1e-8 { x.tanh() / x } else { 1.0 };
+        let steep = if x > 1e-8 { math::tanh(x) / x } else { 1.0 };
         self.viscous + self.dry(qd) * steep / self.slip_velocity
     }
 }

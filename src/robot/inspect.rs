@@ -7,6 +7,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use super::Robot;
 use super::link_poses::{centre_of_mass, link_poses};
 use super::model::{Base, DriveMode, Joint, JointKind, Link, Model};
+use crate::math;
 use crate::text::Severity;
 
 /// Describes the robot for users, in the URDF's frames and SI units.
@@ -179,7 +180,7 @@ fn number(x: f64) -> String {
     if !x.is_finite() {
         return if x > 0.0 { "unlimited".into() } else { "-unlimited".into() };
     }
-    let digits = (5 - x.abs().log10().floor() as i32).max(0) as usize;
+    let digits = (5 - math::log10(x.abs()).floor() as i32).max(0) as usize;
     if digits > 12 {
         return format!("{x:.5e}");
     }

@@ -9,6 +9,7 @@ use super::model::{Base, Geometry, Link, LinkId, Model, Shape, Sole};
 use super::notices::Notices;
 use crate::geometry::outline;
 use crate::geometry::spatial_hull::{convex_hull_3d, outermost, spread};
+use crate::math;
 use crate::text::source::Source;
 
 /// A leaf whose lowest point is within this fraction of the robot's height above the lowest one has
@@ -177,7 +178,7 @@ fn extreme_points(shape: &Shape, pose: &Isometry3<f64>) -> Vec<Vector3<f64>> {
             .map(|i| {
                 let angle = std::f64::consts::TAU * ((i / 2) as f64 + 0.5) / ROUND_CORNERS as f64;
                 let z = if i % 2 == 0 { -0.5 * length } else { 0.5 * length };
-                Vector3::new(radius * angle.cos(), radius * angle.sin(), z)
+                Vector3::new(radius * math::cos(angle), radius * math::sin(angle), z)
             })
             .collect(),
         Geometry::Mesh(points, _) => points.iter().map(|p| p.coords).collect(),

@@ -10,8 +10,8 @@
 //! Reads the files that a scenario names, but opens no robot file and simulates nothing. `assemble`
 //! and `batch` call it.
 //!
-//! Imports: `text`, `geometry`, `random`, `files`, `metrics`, `contact`. Used by: `assemble`,
-//! `batch`, `replay`, `console`, `api`, `cli`.
+//! Imports: `math`, `text`, `geometry`, `random`, `files`, `metrics`, `contact`. Used by:
+//! `assemble`, `batch`, `replay`, `console`, `api`, `cli`.
 
 mod checks;
 mod decode;

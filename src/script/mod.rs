@@ -6,13 +6,14 @@
 //! file, line and message. [`script_task`] and [`script_force`] implement the traits of tasks and
 //! force models.
 //!
-//! Imports: `text`, `random`, `robot`, `dynamics`, `task`, `force`. Used by: `assemble`, `batch`,
-//! `console`.
+//! Imports: `math`, `text`, `random`, `robot`, `dynamics`, `task`, `force`. Used by: `assemble`,
+//! `batch`, `console`.
 
 mod convert;
 pub mod fields;
 mod global_lists;
 mod interruption;
+mod math_library;
 mod sandbox;
 mod script_error;
 pub mod script_force;

@@ -6,6 +6,7 @@
 //! that process long data count by its size (`counted.luau`), and so does allocated memory.
 
 use super::interruption;
+use super::math_library;
 use super::script_error::ScriptError;
 use mlua::chunk::ChunkMode;
 use mlua::chunk::Compiler;
@@ -96,6 +97,7 @@ impl Sandbox {
             for (library, function) in [("math", "random"), ("math", "randomseed")] {
                 globals.get::<mlua::Table>(library)?.raw_remove(function)?;
             }
+            math_library::install(&lua, file)?;
             Ok(lua)
         });
         lua.map(sandbox).map_err(|e| ScriptError::read(file, &e))
@@ -153,9 +155,11 @@ impl Sandbox {
     /// Runs the top level of the script.
     pub fn load(&self, text: &str) -> Result<(), ScriptError> {
         let chunk = self.lua.load(text).set_name(format!("={}", self.file)).set_mode(ChunkMode::Text);
-        // Otherwise the compiler inlines these functions, and their work is not counted.
-        let function = chunk.set_compiler(Compiler::new().set_mutable_globals(["string", "tonumber"]));
-        let function = function.into_function().map_err(|e| self.error(&e))?;
+        // Otherwise the compiler inlines these functions: their work is not counted, or their values
+        // depend on the system.
+        let compiler = Compiler::new().set_mutable_globals(["string", "tonumber"]);
+        let compiler = compiler.set_disabled_builtins(math_library::replaced());
+        let function = chunk.set_compiler(compiler).into_function().map_err(|e| self.error(&e))?;
         self.call(&function, ())
     }
 
@@ -194,7 +198,7 @@ impl Sandbox {
 }
 
 /// The line of the script that is running.
-fn line_in(lua: &Lua, file: &str) -> Option<usize> {
+pub(super) fn line_in(lua: &Lua, file: &str) -> Option<usize> {
     let line = |level| {
         let of_script = |d: &mlua::debug::Debug| {
             let source = d.source();

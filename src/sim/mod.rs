@@ -17,9 +17,9 @@
 //! `assemble` builds a [`Setup`] from a scenario; library users fill one. Does not access files or
 //! logs.
 //!
-//! Imports: `text`, `geometry`, `integrate`, `random`, `metrics`, `robot`, `dynamics`, `contact`,
-//! `collision`, `task`, `force`. Used by: `log`, `assemble`, `results`, `report`, `remote`,
-//! `batch`, `replay`, `console`, `api`, `cli`.
+//! Imports: `math`, `text`, `geometry`, `integrate`, `random`, `metrics`, `robot`, `dynamics`,
+//! `contact`, `collision`, `task`, `force`. Used by: `log`, `assemble`, `results`, `report`,
+//! `remote`, `batch`, `replay`, `console`, `api`, `cli`.
 
 pub mod actuation;
 pub mod carried_object;

@@ -7,8 +7,8 @@
 //! as Jacobians and the centre of mass. The server computes each part only in ticks at which the
 //! [`Needs`] of a running task include it.
 //!
-//! Imports: `linalg`, `geometry`, `robot`, `dynamics`, `motion`, `contact`. Used by: `script`,
-//! `sim`, `assemble`, `remote`, `console`.
+//! Imports: `math`, `linalg`, `geometry`, `robot`, `dynamics`, `motion`, `contact`. Used by:
+//! `script`, `sim`, `assemble`, `remote`, `console`.
 
 pub mod augmented;
 pub mod balance;

@@ -11,6 +11,7 @@
 //! and therefore continuous through every change.
 
 use super::{Command, Context, Status, Task, TaskError, TaskResult, has_elapsed};
+use crate::math;
 use crate::motion::minimum_jerk::{SmoothTransition, minimum_jerk};
 use crate::robot::{JointId, JointKind};
 use std::f64::consts::TAU;
@@ -89,7 +90,7 @@ impl PresentSwing {
     /// Position and velocity at a time, with r and r'.
     fn at(&self, time: f64, (r, r_rate): (f64, f64)) -> (f64, f64) {
         let theta = self.phase + TAU * self.frequency.integral(time);
-        let (sin, cos) = theta.sin_cos();
+        let (sin, cos) = math::sin_cos(theta);
         let (amplitude, offset) = (self.amplitude.value(time), self.offset.value(time));
         let away = offset + amplitude * sin - self.from;
         let turning = TAU * self.frequency.value(time) * amplitude * cos;

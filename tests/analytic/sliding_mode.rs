@@ -101,7 +101,7 @@ fn a_slow_vertex_of_a_turning_foot_slides_on() {
 }
 
 /// Instants at which the direct search finds no valid state: HOAP-2 on a slope that it slides down, 8.6 ms
-/// after its start, and a tilted landing of CB-i, at 0.4463 s. The search through all states, which has
+/// after its start, and a tilted landing of CB-i, at 0.5031 s. The search through all states, which has
 /// no such instants, is the reference. It tests 75 and 1463 candidates there.
 #[test]
 fn an_instant_without_a_state_moves_as_with_a_search_through_all() {
@@ -117,7 +117,7 @@ fn an_instant_without_a_state_moves_as_with_a_search_through_all() {
         (
             "cbi",
             "rpy = [0.28, -0.28, 0], linear_velocity = [0, 0, -0.9905]",
-            "duration = 0.4466\nseed = 39\nfloor.friction = 0.8597910064378852",
+            "duration = 0.5034\nseed = 411\nfloor.friction = 0.7798542245407513",
             1000,
         ),
     ] {
@@ -131,7 +131,7 @@ fn an_instant_without_a_state_moves_as_with_a_search_through_all() {
         assert!(m.sliding_mode_s > 9e-5 && m.sliding_mode_s < 1.2e-4, "{}", m.sliding_mode_s);
         assert_eq!((m.inconsistent, m.full_searches, reference.inconsistent), (0, 0, 0));
         assert!(m.states_tested_max <= 40, "{}", m.states_tested_max);
-        // The integrator: with a hundredth of the tolerances CB-i ends 7e-9 m away. Its yaw differs by 3e-8 rad.
+        // The integrator: with a hundredth of the tolerances CB-i ends 1e-8 m away. Its roll differs by 1e-7 rad.
         for (end, other) in m.final_base_position.iter().zip(reference.final_base_position) {
             assert!((end - other).abs() < 2e-8, "{:?} {:?}", m.final_base_position, reference.final_base_position);
         }

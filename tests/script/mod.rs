@@ -2,6 +2,7 @@
 
 mod abuse;
 mod bounds;
+mod elementary_functions;
 mod files;
 mod forces;
 mod points;

@@ -11,6 +11,7 @@
 
 use super::Limits;
 use crate::collision::kinematics::capped_travel;
+use crate::math;
 use crate::motion::spline::TrajectoryPoint;
 
 /// Time over which differences are taken, s, or one tick if that is longer.
@@ -171,7 +172,7 @@ impl DesiredMotion {
 
     fn mean_jerk(&self, j: usize) -> f64 {
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| self.history.back(j, k));
-        (a - 3.0 * b + 3.0 * c - d) / self.history.window().powi(3)
+        (a - 3.0 * b + 3.0 * c - d) / math::powi(self.history.window(), 3)
     }
 
     /// Whether the commanded velocities fit the positions.

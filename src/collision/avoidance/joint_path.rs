@@ -23,6 +23,7 @@
 //! position there and where v = 0.
 
 use super::Limits;
+use crate::math;
 use crate::motion::spline::TrajectoryPoint;
 
 /// `from` after `s` seconds of constant jerk.
@@ -126,7 +127,7 @@ impl JointPath {
     ) -> Option<Self> {
         // From rest to rest over x the jerk is 54 x / T^3: a much shorter path breaks its limit.
         let distance = (target(shortest).q - here.q).abs();
-        let mut duration = shortest.max(0.5 * (54.0 * distance / limits.jerk).cbrt());
+        let mut duration = shortest.max(0.5 * math::cbrt(54.0 * distance / limits.jerk));
         while duration <= DURATIONS.1.max(2.0 * shortest) {
             let path = JointPath::transfer(here, begin, target(duration), duration, limits);
             if path.is_some() {

@@ -13,6 +13,7 @@
 use super::candidate::Robot;
 use super::detour::Detour;
 use super::planner::Planner;
+use crate::math;
 use crate::random::Stream;
 
 /// Random postures that methods 3 and 4 draw in a cycle.
@@ -153,7 +154,7 @@ impl Methods {
             };
             let limits = &planner.settings.limits[j];
             self.posture[j] = to.clamp(limits.lower, limits.upper);
-            error += (self.posture[j] - planner.goal[j]).powi(2);
+            error += math::powi(self.posture[j] - planner.goal[j], 2);
             k += 1;
         }
         error

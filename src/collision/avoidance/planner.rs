@@ -4,6 +4,7 @@
 use super::Limits;
 use super::candidate::{CandidatePaths, Robot};
 use super::joint_path::JointPath;
+use crate::math;
 use crate::motion::spline::TrajectoryPoint;
 
 /// How collisions are avoided.
@@ -108,7 +109,7 @@ impl Planner {
 
     /// Sum of squared distances of the stopped joints from their goals at the ends of their paths.
     pub fn goal_error(&self) -> f64 {
-        let error = |j: &usize| (self.candidate.paths[*j].rest() - self.goal[*j]).powi(2);
+        let error = |j: &usize| math::powi(self.candidate.paths[*j].rest() - self.goal[*j], 2);
         (0..self.stopped.len()).filter(|j| self.stopped[*j]).map(|j| error(&j)).sum()
     }
 

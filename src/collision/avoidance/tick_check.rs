@@ -14,6 +14,7 @@ use super::Limits;
 use super::candidate::{CandidatePaths, Robot};
 use super::desired_motion::{DesiredMotion, PositionHistory};
 use super::joint_path::JointPath;
+use crate::math;
 use crate::motion::spline::{TrajectoryPoint, quintic};
 
 /// Shortest and longest decay of the difference between a path and the desired motion, s.
@@ -63,8 +64,8 @@ impl DecayingOffset {
         let (q, v, a) = (from.q.abs(), from.v.abs(), from.a.abs());
         // The quintic's jerk is greatest at its start or end; its acceleration is less than the sum
         // of those of its parts.
-        let jerk = 60.0 * q / length.powi(3) + 36.0 * v / length.powi(2) + 9.0 * a / length;
-        let acceleration = 5.8 * q / length.powi(2) + 4.0 * v / length + a;
+        let jerk = 60.0 * q / math::powi(length, 3) + 36.0 * v / math::powi(length, 2) + 9.0 * a / length;
+        let acceleration = 5.8 * q / math::powi(length, 2) + 4.0 * v / length + a;
         let fits = jerk <= DECAY_SHARE * limits.jerk && acceleration <= DECAY_SHARE * limits.acceleration;
         fits.then_some(DecayingOffset { from, since, length })
     }

@@ -7,6 +7,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::math;
 use crate::robot::{JointKind, Model};
 
 /// Pose of a link.
@@ -53,7 +54,7 @@ pub(crate) fn link_pose(model: &Model, i: usize, q: f64, poses: &mut [LinkPose])
     let origin = up.point(&link.offset);
     poses[i] = match model.joints[i - 1].kind {
         JointKind::Revolute | JointKind::Continuous => {
-            let (s, c) = q.sin_cos();
+            let (s, c) = math::sin_cos(q);
             let (x, y, z) = (turned.column(0), turned.column(1), turned.column(2));
             LinkPose { rotation: Matrix3::from_columns(&[x * c + y * s, y * c - x * s, z.into()]), origin }
         }

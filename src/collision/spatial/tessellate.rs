@@ -13,6 +13,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Point3, Vector3};
 
+use crate::math;
 use crate::robot::{Geometry, Shape};
 
 /// Points of a shape in the frame of its pose, m; `n` corners to a circle, at least 3.
@@ -20,7 +21,7 @@ pub(super) fn points(shape: &Shape, n: usize) -> Vec<Vector3<f64>> {
     let own: Vec<Vector3<f64>> = match &shape.geometry {
         Geometry::Box(size) => (0..8).map(|k| corner(&(size / 2.0), k)).collect(),
         Geometry::Cylinder(radius, length) => {
-            [-1.0, 1.0].iter().flat_map(|end| ring(radius / (PI / n as f64).cos(), end * length / 2.0, n)).collect()
+            [-1.0, 1.0].iter().flat_map(|end| ring(radius / math::cos(PI / n as f64), end * length / 2.0, n)).collect()
         }
         Geometry::Sphere(radius) => ball(*radius, 0.0, n),
         Geometry::Capsule(radius, length) => ball(*radius, *length, n),
@@ -35,7 +36,7 @@ fn corner(half: &Vector3<f64>, k: usize) -> Vector3<f64> {
 
 fn ring(radius: f64, z: f64, n: usize) -> impl Iterator<Item = Vector3<f64>> {
     (0..n).map(move |k| {
-        let (s, c) = (2.0 * PI * k as f64 / n as f64).sin_cos();
+        let (s, c) = math::sin_cos(2.0 * PI * k as f64 / n as f64);
         Vector3::new(radius * c, radius * s, z)
     })
 }
@@ -48,20 +49,20 @@ fn ball(radius: f64, length: f64, n: usize) -> Vec<Vector3<f64>> {
     // two rings lie in one plane, so its distance from the centre is that of the line through the
     // two middles.
     let side = |k: usize| {
-        let (s, c) = latitude(k).sin_cos();
-        (c * (PI / n as f64).cos(), s)
+        let (s, c) = math::sin_cos(latitude(k));
+        (c * math::cos(PI / n as f64), s)
     };
     let clearance = |k: usize| {
         let ((x0, z0), (x1, z1)) = (side(k), side(k + 1));
-        (x0 * z1 - x1 * z0).abs() / (x1 - x0).hypot(z1 - z0)
+        (x0 * z1 - x1 * z0).abs() / math::hypot(x1 - x0, z1 - z0)
     };
     let least = (0..bands).map(clearance).fold(f64::INFINITY, f64::min);
     // A prism connects the two equators when they are apart.
-    let least = least.min((PI / n as f64).cos());
+    let least = least.min(math::cos(PI / n as f64));
     let outer = radius / least;
     let half = length / 2.0;
     let rings = (0..bands).flat_map(|k| {
-        let (s, c) = latitude(k).sin_cos();
+        let (s, c) = math::sin_cos(latitude(k));
         let both: &[f64] = if k == 0 && length == 0.0 { &[1.0] } else { &[1.0, -1.0] };
         both.iter().flat_map(move |sign| ring(outer * c, sign * (outer * s + half), n)).collect::<Vec<_>>()
     });

@@ -7,6 +7,9 @@
 //! at a stationary point of one of the faces: on the vertices that x loads, `(K + K^T) x` is
 //! constant. With up to [`FEW`] sliding vertices all faces are tested.
 
+// For storage and solves; there are no products of two matrices.
+#![allow(clippy::disallowed_types)]
+
 use crate::contact::methods::contact_method::ContactSolver;
 use crate::contact::model::problem::{Level, Problem, Tolerances, Vertex};
 use crate::contact::model::solution::{Solution, wrench_at};

@@ -42,6 +42,7 @@ use crate::contact::search::candidate::{CandidateSolver, share_static};
 use crate::contact::search::judge::Assessment;
 use crate::contact::search::select::Selection;
 use crate::linalg::lemke::{Lemke, LemkeOutcome};
+use crate::math;
 use nalgebra::{Vector2, Vector3};
 use schemars::JsonSchema;
 use serde::de::Error;
@@ -205,7 +206,7 @@ impl Lcp {
 
     /// Distance of the pyramid's sides from its axis, as part of mu N.
     fn middle(&self) -> f64 {
-        (std::f64::consts::PI / self.directions.len() as f64).cos()
+        math::cos(std::f64::consts::PI / self.directions.len() as f64)
     }
 
     /// Greatest tangential impulse across a side of the pyramid.
@@ -281,7 +282,7 @@ impl Lcp {
 /// The directions e_j.
 fn directions(facets: u32) -> Vec<Vector2<f64>> {
     let angle = |j: u32| f64::from(j) * std::f64::consts::TAU / f64::from(facets);
-    (0..facets).map(|j| Vector2::new(angle(j).cos(), angle(j).sin())).collect()
+    (0..facets).map(|j| Vector2::new(math::cos(angle(j)), math::sin(angle(j)))).collect()
 }
 
 impl ContactSolver for Lcp {

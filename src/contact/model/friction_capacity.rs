@@ -15,6 +15,7 @@
 //! Every margin is in newtons, positive inside, and continuous in the load, so that its zero can be
 //! located.
 
+use crate::math;
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 /// Margin of a vertex: capacity `c = mu N` against the tangential force `t`.
@@ -39,7 +40,7 @@ pub fn edge_excess(c: [f64; 2], across: [f64; 2], along: f64) -> f64 {
     }
     let excess = |first: f64| {
         let carried = [first, along - first];
-        (0..2).map(|i| (across[i].hypot(carried[i]) - c[i]).max(0.0)).sum::<f64>()
+        (0..2).map(|i| (math::hypot(across[i], carried[i]) - c[i]).max(0.0)).sum::<f64>()
     };
     // Convex in the split.
     let (mut low, mut high) = (0.0, along);

@@ -12,6 +12,7 @@
 //! active set with step halving.
 
 use crate::contact::model::problem::{SoleProblem, Vertex};
+use crate::math;
 use nalgebra::Vector3;
 
 /// Row A_i of the pressure rule.
@@ -79,7 +80,7 @@ fn pressures(sole: &SoleProblem, y: &Vector3<f64>) -> impl Fn(&Vertex) -> f64 + 
 }
 
 fn dual(sole: &SoleProblem, q: &Vector3<f64>, y: &Vector3<f64>) -> f64 {
-    let sum: f64 = sole.vertices.iter().map(pressures(sole, y)).map(|n| n.max(0.0).powi(2)).sum();
+    let sum: f64 = sole.vertices.iter().map(pressures(sole, y)).map(|n| math::powi(n.max(0.0), 2)).sum();
     0.5 * sum - q.dot(y)
 }
 

@@ -45,6 +45,7 @@ use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::solution::{Solution, wrench_at};
 use crate::linalg::anderson::Anderson;
 use crate::linalg::linear::Linear;
+use crate::math;
 use nalgebra::{Vector2, Vector3};
 
 /// Most iterations of the alternating directions.
@@ -358,7 +359,7 @@ impl PointForces {
             };
             let (x, y) = (own(&Vector3::x()), own(&Vector3::y()));
             let (mean, half) = (0.5 * (x.x + y.y), 0.5 * (x.x - y.y));
-            point.tangential = mean + half.hypot(x.y);
+            point.tangential = mean + math::hypot(half, x.y);
             let u = point.direction.unwrap_or_default() * -point.mu;
             point.normal = own(&Vector3::new(u.x, u.y, 1.0)).z;
         }

@@ -19,6 +19,7 @@ use crate::contact::model::solution::{Solution, wrench_at};
 use crate::contact::model::state::{MAX_SOLES, Mode, States};
 use crate::contact::search::candidate::CandidateSolver;
 use crate::linalg::linear::Linear;
+use crate::math;
 use nalgebra::{Vector2, Vector3};
 
 /// Tangential motions of all soles: that of the mean of the clamped vertices, and the yaw motion
@@ -270,7 +271,7 @@ impl DirectionSearch<'_> {
         const STEPS: usize = 48;
         let mut across = |search: &mut Self, angle: f64| {
             let mut slips = [Vector3::zeros(); MAX_SOLES];
-            slips[s] = Vector3::new(angle.cos(), angle.sin(), 0.0);
+            slips[s] = Vector3::new(math::cos(angle), math::sin(angle), 0.0);
             let image = search.evaluate(&slips, out);
             let (centre, sole) = (slip_point(search.p, search.states, s, search.points[s]).0, &search.p.soles[s]);
             let t = tangential(&image[s], &sole.vertices[i].r, &centre, sole.radius);
@@ -384,7 +385,7 @@ impl DirectionSearch<'_> {
                 for i in open_vertices(self.p, self.states, s) {
                     let v = &sole.vertices[i];
                     let t = tangential(&slips[s], &v.r, &centre, sole.radius);
-                    let speed = t.norm().hypot(self.viscosity);
+                    let speed = math::hypot(t.norm(), self.viscosity);
                     if speed <= AT_REST * slips[s].norm() {
                         continue;
                     }
@@ -549,7 +550,7 @@ pub(super) fn set_directions(
                 continue;
             }
             let t = tangential(slip, &v.r, &centre, radius);
-            let speed = t.norm().hypot(viscosity);
+            let speed = math::hypot(t.norm(), viscosity);
             v.direction = if speed > AT_REST * slip.norm() { t / speed } else { Vector2::zeros() };
         }
     }

@@ -13,6 +13,7 @@
 //! K below, so the sum over all intervals is quadratic in the unknowns and its minimum solves a
 //! symmetric positive definite system, block tridiagonal with blocks of 2 x 2.
 
+use crate::math;
 use nalgebra::{Matrix2, Matrix2x3, Vector2};
 
 /// Conditions at the first and the last knot.
@@ -201,13 +202,13 @@ struct System {
 
 /// Rows `r..r+2`, columns `c..c+2` of K scaled to an interval of length h and unscaled unknowns.
 fn block(r: usize, c: usize, h: f64) -> Matrix2<f64> {
-    Matrix2::from_fn(|i, j| K[r + i][c + j] * h.powi((i + j) as i32 - 3))
+    Matrix2::from_fn(|i, j| K[r + i][c + j] * math::powi(h, (i + j) as i32 - 3))
 }
 
 /// Gradient with respect to the unknowns in rows `r..r+2` of values that differ by `step` over an
 /// interval of length h.
 fn gradient(r: usize, h: f64, step: f64) -> Vector2<f64> {
-    Vector2::from_fn(|i, _| K[r + i][3] * h.powi(i as i32 - 4) * step)
+    Vector2::from_fn(|i, _| K[r + i][3] * math::powi(h, i as i32 - 4) * step)
 }
 
 impl System {

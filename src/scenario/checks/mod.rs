@@ -7,6 +7,7 @@ mod task;
 
 use super::scenario::Scenario;
 use crate::geometry::simple_polygon;
+use crate::math;
 use crate::metrics::{METRICS, is_distance};
 use crate::scenario::findings::Findings;
 use crate::scenario::format::compare::CompareSpec;
@@ -274,7 +275,7 @@ impl Check<'_> {
 /// True when a symmetric matrix `[xx, yy, zz, xy, xz, yz]` is positive semidefinite: no principal
 /// minor is below zero.
 fn semidefinite([xx, yy, zz, xy, xz, yz]: [f64; 6], tolerance: f64) -> bool {
-    let (t, t2, t3) = (tolerance, tolerance * tolerance.max(xx + yy + zz), tolerance * (xx + yy + zz).powi(2));
+    let (t, t2, t3) = (tolerance, tolerance * tolerance.max(xx + yy + zz), tolerance * math::powi(xx + yy + zz, 2));
     let determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
     [xx, yy, zz].iter().all(|d| *d >= -t)
         && [xx * yy - xy * xy, xx * zz - xz * xz, yy * zz - yz * yz].iter().all(|d| *d >= -t2)

@@ -1,5 +1,6 @@
 //! The values of a swept key. Decimal grids give decimal numbers, and both ends are exact.
 
+use crate::math;
 use crate::scenario::format::sweep::Axis;
 use crate::text::source::Span;
 use crate::text::toml_tree::{Node, Value};
@@ -82,10 +83,10 @@ fn linspace(a: f64, b: f64, n: usize) -> Vec<f64> {
 }
 
 fn logspace(a: f64, b: f64, n: usize) -> Vec<f64> {
-    let (low, high, last) = (a.abs().log10(), b.abs().log10(), (n - 1) as f64);
+    let (low, high, last) = (math::log10(a.abs()), math::log10(b.abs()), (n - 1) as f64);
     let inner = |i: usize| {
         let t = i as f64 / last;
-        let size = 10f64.powf(low * (1.0 - t) + high * t);
+        let size = math::powf(10.0, low * (1.0 - t) + high * t);
         decimal(size.copysign(a), size)
     };
     ends(a, b, n, inner)
@@ -112,7 +113,7 @@ fn decimal(x: f64, scale: f64) -> f64 {
     if scale == 0.0 {
         return 0.0;
     }
-    let digits = 13 - scale.log10().floor() as i64;
+    let digits = 13 - math::log10(scale).floor() as i64;
     let rounded = format!("{x:.*}", digits.clamp(0, 330) as usize).parse().unwrap_or(x);
     // No negative zero.
     rounded + 0.0

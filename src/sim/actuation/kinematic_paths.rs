@@ -17,6 +17,7 @@
 //! is reached within one tick.
 
 use crate::dynamics::State;
+use crate::math;
 use crate::robot::{DriveMode, Model};
 use crate::task::Command;
 
@@ -157,7 +158,7 @@ fn extrapolate(a: &JointMotion, b: &JointMotion, before: f64, ahead: f64) -> Joi
         return JointMotion { q: b.q + b.qd * ahead, ..*b };
     }
     // The cubic about b: acceleration and jerk follow from the velocities and the bend.
-    let jerk = -12.0 * bend / before.powi(3);
+    let jerk = -12.0 * bend / math::powi(before, 3);
     let acceleration = (b.qd - a.qd) / before + 0.5 * jerk * before;
     JointMotion {
         q: b.q + ahead * (b.qd + ahead * (0.5 * acceleration + ahead * jerk / 6.0)),

@@ -14,13 +14,14 @@
 //! At the start of a run z is the servo effort of the first command.
 
 use super::{Drives, joint_efforts};
+use crate::math;
 use crate::robot::Model;
 use crate::task::Command;
 
 /// Fraction of the way to u that z covers within `x` time constants, and the mean of that fraction
 /// over the time.
 pub(super) fn shares(x: f64) -> (f64, f64) {
-    let end = -(-x).exp_m1();
+    let end = -math::exp_m1(-x);
     // 1 - end / x cancels for small x. The first omitted term of the series is x^4 / 120.
     let mean = if x < 1e-3 { x * (0.5 - x * (1.0 / 6.0 - x / 24.0)) } else { 1.0 - end / x };
     (end, mean)

@@ -31,6 +31,7 @@ use super::semi_implicit::{apply_step, evaluate_step, set_velocity_problem, show
 use super::step_size::StepSize;
 use crate::contact::model::state::States;
 use crate::integrate::{StepControl, error_norm};
+use crate::math;
 use crate::sim::event_kind::EventKind;
 use crate::sim::plant::StateLayout;
 use crate::sim::report::Observer;
@@ -283,7 +284,7 @@ impl SlidingMode {
     /// Norm of the difference between the results of one step and of two halves, by the tolerances
     /// to the power of 2/3.
     fn error(&self, relative: f64, absolute: f64, layout: &StateLayout) -> f64 {
-        let two_thirds = |tolerance: f64| tolerance.cbrt() * tolerance.cbrt();
+        let two_thirds = |tolerance: f64| math::cbrt(tolerance) * math::cbrt(tolerance);
         let tolerances = (two_thirds(relative), two_thirds(absolute));
         let difference = |i: usize| self.halves[i] - self.whole[i];
         error_norm(layout.error_groups(), tolerances, [&self.start, &self.halves], difference)

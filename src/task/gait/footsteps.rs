@@ -18,6 +18,7 @@
 //! swing. The zero-moment point rests under the standing foot's centroid and moves across in double
 //! support along the same quintic.
 
+use crate::math;
 use crate::motion::minimum_jerk::minimum_jerk;
 use nalgebra::{Vector2, Vector3};
 
@@ -100,8 +101,8 @@ impl Footsteps {
             let (s, swing) = (since - self.stride.double_support, self.stride.time - self.stride.double_support);
             let (progress, rate) = minimum_jerk(s, swing);
             let u = (s / swing).clamp(0.0, 1.0);
-            let lift = Vector3::z() * (self.stride.height * 64.0 * (u * (1.0 - u)).powi(3));
-            let rise = self.stride.height * 192.0 * (u * (1.0 - u)).powi(2) * (1.0 - 2.0 * u) / swing;
+            let lift = Vector3::z() * (self.stride.height * 64.0 * math::powi(u * (1.0 - u), 3));
+            let rise = self.stride.height * 192.0 * math::powi(u * (1.0 - u), 2) * (1.0 - 2.0 * u) / swing;
             let shift = fall.to - fall.from;
             return (fall.from + shift * progress + lift, shift * rate + Vector3::z() * rise);
         }

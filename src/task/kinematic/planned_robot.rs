@@ -2,6 +2,7 @@
 
 use super::Goal;
 use crate::dynamics::{State, Workspace, body, kinematics};
+use crate::math;
 use crate::robot::{Base, DriveMode, LinkId, Model, SoleId};
 use crate::task::{Command, Context};
 use nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
@@ -187,7 +188,7 @@ impl PlannedRobot {
     /// The heading of an orientation: its rotation about the world's z axis only.
     pub fn upright(rotation: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
         let forward = rotation * Vector3::x();
-        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), forward.y.atan2(forward.x))
+        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), math::atan2(forward.y, forward.x))
     }
 
     /// The goal met by the present plan.

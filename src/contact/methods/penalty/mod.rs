@@ -30,6 +30,7 @@ use crate::contact::model::problem::{Problem, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Pattern, SoleState, States};
 use crate::contact::search::select::Selection;
+use crate::math;
 use crate::text::quantity::{json, non_negative, positive};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
@@ -82,7 +83,7 @@ impl PenaltyParameters {
 
     /// Regularised direction of a slip: a unit vector, shorter where the slip is slow.
     fn slip(&self, velocity: &Vector2<f64>) -> Vector2<f64> {
-        velocity / velocity.norm().hypot(self.slip_velocity)
+        velocity / math::hypot(velocity.norm(), self.slip_velocity)
     }
 }
 

@@ -5,6 +5,7 @@
 //! together: a key's numbers depend on its index among the keys. Sources: [McKay 1979] (Latin
 //! hypercube); [Burley 2020] (Owen scrambling).
 
+use crate::math;
 use crate::random::Stream;
 use crate::scenario::key_path::KeyPath;
 
@@ -36,7 +37,7 @@ pub fn sobol(seed: u64, dimension: u32, n: usize) -> Vec<f64> {
     let scramble = u32::from_le_bytes(hash.as_bytes()[..4].try_into().unwrap_or_default());
     // The middle of the interval of 2^-24 that a number represents: 0 has no quantile of a normal
     // distribution.
-    let middle = |i: u32| f64::from(sobol_burley::sample(i, dimension, scramble)) + 0.5f64.powi(25);
+    let middle = |i: u32| f64::from(sobol_burley::sample(i, dimension, scramble)) + math::powi(0.5, 25);
     (0..n as u32).map(middle).collect()
 }
 

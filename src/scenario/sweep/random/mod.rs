@@ -5,6 +5,7 @@ mod draw;
 mod normal;
 
 use super::axis::unify_numbers;
+use crate::math;
 use crate::scenario::format::random::{Distribution, RandomSpec, Sampling};
 use crate::scenario::key_path::KeyPath;
 use crate::text::toml_tree::{Node, Value};
@@ -28,8 +29,8 @@ pub fn samples(spec: &RandomSpec, seed: u64, path: &KeyPath, index: usize, node:
     match distribution {
         Distribution::Uniform(a, b) => draws.into_iter().map(|u| real((a + u * (b - a)).clamp(*a, *b))).collect(),
         Distribution::LogUniform(a, b) => {
-            let ratio = (b / a).ln();
-            draws.into_iter().map(|u| real((a * (u * ratio).exp()).clamp(*a, *b))).collect()
+            let ratio = math::ln(b / a);
+            draws.into_iter().map(|u| real((a * math::exp(u * ratio)).clamp(*a, *b))).collect()
         }
         Distribution::Normal(mean, deviation) => {
             draws.into_iter().map(|u| real(mean + deviation * normal::quantile(u))).collect()

@@ -1,7 +1,10 @@
 //! The quantile function of the standard normal distribution, by rational approximations to 16
 //! digits: algorithm AS 241 (PPND16), M. J. Wichura, Applied Statistics 37 (1988) 477. Coefficients
 //! in rising powers, with the digits they were published with.
+
 #![allow(clippy::excessive_precision)]
+
+use crate::math;
 
 /// Greatest |p - 1/2| at which the approximation of the middle holds.
 const MIDDLE: f64 = 0.425;
@@ -75,7 +78,7 @@ pub fn quantile(p: f64) -> f64 {
     if q.abs() <= MIDDLE {
         return q * ratio(&MIDDLE_NUMERATOR, &MIDDLE_DENOMINATOR, MIDDLE * MIDDLE - q * q);
     }
-    let r = (-(p.min(1.0 - p)).ln()).sqrt();
+    let r = (-math::ln(p.min(1.0 - p))).sqrt();
     let size = if r <= FAR {
         ratio(&TAIL_NUMERATOR, &TAIL_DENOMINATOR, r - 1.6)
     } else {

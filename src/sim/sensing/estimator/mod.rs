@@ -8,6 +8,7 @@ mod kinematic;
 
 use super::imu::Imu;
 use crate::dynamics::State;
+use crate::math;
 use crate::robot::Model;
 use crate::task::SensorReadings;
 use inertial::Inertial;
@@ -110,7 +111,7 @@ impl Estimator {
     pub fn error(&self, truth: &State) -> (f64, f64) {
         // The arc cosine would lose half the digits of a small angle.
         let turn: UnitQuaternion<f64> = self.state.rotation.inverse() * truth.rotation;
-        let angle = 2.0 * turn.imag().norm().atan2(turn.w.abs());
+        let angle = 2.0 * math::atan2(turn.imag().norm(), turn.w.abs());
         ((self.state.position - truth.position).norm(), angle)
     }
 }
