@@ -6,6 +6,7 @@
 //! The scenes are randomized: poses, speeds and pushes are drawn, so that no symmetry makes an
 //! order of sums or of events irrelevant.
 
+mod golden_hashes;
 mod merge_faults;
 mod shards;
 
