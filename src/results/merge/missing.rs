@@ -31,7 +31,7 @@ impl Shards {
         self.for_each_run(&mut |holders: &[Holder]| {
             let run = &holders[0].run;
             gaps += run.at - next;
-            next = run.at + 1;
+            next = run.at.saturating_add(1);
             if let Some(other) = holders.iter().find(|h| h.run != *run) {
                 return Err(self.contradiction(holders[0].shard, other.shard));
             }
@@ -60,13 +60,16 @@ impl Shards {
 
     fn missing_shards(&self) -> Vec<String> {
         let Some(of) = self.heads.first().map(|head| head.of) else { return Vec::new() };
-        let exists = |number: &u64| self.heads.iter().any(|head| head.shard == *number);
-        let numbers: Vec<u64> = (1..=of).filter(|number| !exists(number)).collect();
-        if numbers.is_empty() {
+        let present: BTreeSet<u64> =
+            self.heads.iter().map(|head| head.shard).filter(|n| (1..=of).contains(n)).collect();
+        let missing = of - present.len() as u64;
+        if missing == 0 {
             return Vec::new();
         }
-        let first: Vec<String> = numbers.iter().take(MAX_NAMED).map(u64::to_string).collect();
-        let dots = if numbers.len() > MAX_NAMED { ", ..." } else { "" };
-        vec![format!("{} of {of} shards are missing: {}{dots}", numbers.len(), first.join(", "))]
+        // A damaged list can state any number of shards: only the first are enumerated.
+        let first = (1..=of).filter(|number| !present.contains(number)).take(MAX_NAMED);
+        let first: Vec<String> = first.map(|number| number.to_string()).collect();
+        let dots = if missing > MAX_NAMED as u64 { ", ..." } else { "" };
+        vec![format!("{missing} of {of} shards are missing: {}{dots}", first.join(", "))]
     }
 }
