@@ -212,7 +212,9 @@ fn is_placeholder(part: &str) -> bool {
 fn paths_in_the_docs_exist() {
     let root = source().parent().unwrap().to_owned();
     let pages = fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path());
-    let pages = pages.filter(|path| path.extension().is_some_and(|e| e == "md")).chain(["README.md", "SECURITY.md"].map(|page| root.join(page)));
+    let pages = pages
+        .filter(|path| path.extension().is_some_and(|e| e == "md"))
+        .chain(["README.md", "SECURITY.md"].map(|page| root.join(page)));
     let (mut missing, mut found) = (Vec::new(), 0);
     for page in pages {
         let text = fs::read_to_string(&page).unwrap();
