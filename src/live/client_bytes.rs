@@ -6,6 +6,7 @@ use std::io::{Cursor, ErrorKind, Read, Write};
 use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
+use crate::live::VIEWER_ORIGINS;
 use crate::live::client::MAX_REQUEST;
 use crate::live::handshake::{HandshakeResult, parse_handshake};
 use crate::live::protocol::Request;
@@ -36,7 +37,8 @@ impl Write for Received {
 /// Number of valid requests after an accepted handshake.
 #[doc(hidden)]
 pub fn read_client_bytes(bytes: &[u8]) -> usize {
-    let HandshakeResult::Accept(response, length) = parse_handshake(bytes, &LocalAccess::default()) else { return 0 };
+    let access = LocalAccess { origins: VIEWER_ORIGINS.map(str::to_owned).to_vec(), ..LocalAccess::default() };
+    let HandshakeResult::Accept(response, length) = parse_handshake(bytes, &access) else { return 0 };
     debug_assert!(response.ends_with("\r\n\r\n") && length <= bytes.len());
     let config = WebSocketConfig::default().max_message_size(Some(MAX_REQUEST)).max_frame_size(Some(MAX_REQUEST));
     let rest = Received(Cursor::new(bytes[length..].to_vec()));
