@@ -138,21 +138,37 @@ fn a_robot_has_a_bounded_number_of_joints() {
     assert!(parts.iter().all(|part| done.stderr.contains(part)), "{}", done.stderr);
 }
 
+/// All commands that print tables or lines of runs.
 #[test]
 fn tables_show_long_values_by_their_ends() {
     let place = Place::new();
     let long = "x".repeat(70_000);
+    let short = |done: &crate::cli::Done| {
+        let text = done.stdout.clone() + &done.stderr;
+        assert!(!text.contains("panicked") && text.len() < 20_000, "{} bytes", text.len());
+    };
     for (name, friction) in [("a", 0.5), ("b", 0.4)] {
         place.block(
             "s.toml",
-            &format!("floor.friction = {friction}\n[sweep.grid]\ndescription = [\"{long}\", \"short\"]\n")
-                .replace("floor.friction", "[floor]\nfriction"),
+            &format!(
+                "base = {{ linear_velocity = [1, 0, 0] }}\n[floor]\nfriction = {friction}\n\
+                 [compare]\nreference = {{ \"integrator.relative_tolerance\" = 1e-9 }}\n\
+                 [[expect]]\nmetric = \"steps\"\nmax = 0\n\
+                 [sweep.grid]\ndescription = [\"{long}\", \"short\"]\n\"contact.method\" = [\"exact\", \"one-step\"]\n"
+            ),
         );
-        place.runner(&["s.toml", "--set", "duration=0.01", "--no-log", "-o", name]).exits(0);
+        let run = ["s.toml", "--set", "duration=0.01", "--no-log", "-o", name];
+        let done = place.runner(&run).exits(1);
+        assert!(done.stdout.contains("steps") && done.stderr.contains('…'), "{}{}", done.stdout, done.stderr);
+        short(&done);
+        short(&place.runner(&[&run[..5], &["--verdicts", "all", "--shard", "1/1", "-o", "part"]].concat()).exits(1));
     }
-    let done = place.runner(&["compare", "a", "b"]);
-    assert!(done.stderr.is_empty() && done.stdout.contains("runs compared"), "{}", done.stderr);
-    assert!(done.stdout.len() < 20_000, "{}", done.stdout.len());
-    let listed = place.runner(&["list", "s.toml"]).exits(0).stdout;
-    assert!(listed.len() < 20_000 && listed.contains('…'), "{}", listed.len());
+    let done = place.runner(&["compare", "a", "b"]).exits(1);
+    assert!(done.stdout.contains("runs compared") && done.stdout.contains('…'), "{}", done.stdout);
+    short(&done);
+    short(&place.runner(&["report", "a"]).exits(0));
+    short(&place.runner(&["merge", "part", "-o", "merged"]).exits(1));
+    let listed = place.runner(&["list", "s.toml"]).exits(0);
+    assert!(listed.stdout.contains('…'), "{}", listed.stdout);
+    short(&listed);
 }

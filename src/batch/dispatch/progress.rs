@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::batch::{Finished, Job};
+use crate::text::text_table::limited;
 use crate::text::visible::visible;
 
 /// Interval between redraws of the bar while no run ends.
@@ -147,7 +148,7 @@ fn print_line(line: &str) {
 /// `push contact.method=exact`
 fn display_name(job: &Job) -> String {
     let label = if job.label.is_empty() { String::new() } else { format!(" {}", job.label) };
-    visible(&format!("{}{label}", job.run.name)).into_owned()
+    limited(visible(&format!("{}{label}", job.run.name)).into_owned())
 }
 
 /// `[ 3/25] push contact.method=exact: passed, 5.000 s in 0.812 s`

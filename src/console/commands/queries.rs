@@ -14,6 +14,7 @@ use crate::log::Trajectory;
 use crate::robot::LinkId;
 use crate::text::pattern::matches;
 use crate::text::suggest;
+use crate::text::text_table::limited;
 
 /// Result of a query.
 type QueryResult<T> = Result<T, ConsoleError>;
@@ -38,15 +39,16 @@ impl Session {
                 let names = all.iter().map(|joint| joint.name.as_str());
                 return Err(ConsoleError::usage(format!("no joint matches `{pattern}`; {}", suggest(&pattern, names))));
             }
-            let width = joints.iter().map(|joint| joint.name.len()).max().unwrap_or(0).max(5);
+            let names: Vec<String> = joints.iter().map(|joint| limited(joint.name.clone())).collect();
+            let width = names.iter().map(String::len).max().unwrap_or(0).max(5);
             let heads = ["position", "velocity", "desired", "effort"];
             let mut out = format!("{:width$}", "joint");
             for head in heads {
                 let _ = write!(out, " {head:>12}");
             }
             out.push('\n');
-            for joint in joints {
-                let _ = write!(out, "{:width$}", joint.name);
+            for (joint, name) in joints.into_iter().zip(names) {
+                let _ = write!(out, "{name:width$}");
                 let of = [&joint.position, &joint.velocity, &joint.desired_position, &joint.effort];
                 for series in of {
                     let _ = write!(out, " {:>12.6}", series[tick]);
