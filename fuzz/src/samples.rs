@@ -77,8 +77,9 @@ pub fn runs_log() -> String {
 /// `shard.jsonl` of a plan of these runs.
 pub fn shard_list() -> String {
     let key = run().file_name().expect("a name").to_string_lossy().into_owned();
-    let head = stiction::results::ShardHead::new(1, 2, 2, "0123456789abcdef".into());
-    let run = stiction::results::ShardRun { at: 0, scenario: "slide".into(), key };
+    let files = [("slide: block.urdf".to_owned(), "0123456789abcdef".to_owned())].into();
+    let head = stiction::results::ShardHead::new(1, 2, 2, "0123456789abcdef".into(), files);
+    let run = stiction::results::ShardRun { at: 0, scenario: "slide".into(), key, levels: Default::default() };
     let line = |text: serde_json::Result<String>| text.expect("JSON") + "\n";
     line(serde_json::to_string(&head)) + &line(serde_json::to_string(&run))
 }

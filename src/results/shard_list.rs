@@ -5,9 +5,10 @@
 
 use crate::files::input;
 pub use crate::files::names::SHARD_LIST;
-use crate::files::{RecordError, atomic, confined, json};
+use crate::files::{KeyLevels, RecordError, atomic, confined, json};
 use crate::results::PROGRAM;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -28,9 +29,15 @@ pub struct ShardHead {
     pub of: u64,
     /// Number of runs of all shards.
     pub runs: usize,
-    /// A hash of their scenarios and keys in the order of the plan, hexadecimal.
+    /// A hash of scenarios, their values and the filter, hexadecimal.
     pub plan: String,
+    /// Hashes of the files that runs of the shard use, by their names in the scenarios.
+    #[serde(default)]
+    pub files: BTreeMap<String, String>,
 }
+
+/// Digits of a key.
+const KEY_DIGITS: usize = 16;
 
 /// A run of a shard.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -41,19 +48,35 @@ pub struct ShardRun {
     pub scenario: String,
     /// Key.
     pub key: String,
+    /// Folders between that of the scenario and that of the run.
+    #[serde(default, skip_serializing_if = "KeyLevels::is_none")]
+    pub levels: KeyLevels,
 }
 
 impl ShardRun {
     /// The folder of its record.
     pub fn folder(&self, results: &Path) -> PathBuf {
-        results.join(&self.scenario).join(&self.key)
+        results.join(&self.scenario).join(self.levels.folder(&self.key))
+    }
+
+    /// Folders that it has as part of a scenario with another number of runs.
+    pub(in crate::results) fn other_folders(&self, results: &Path) -> impl Iterator<Item = PathBuf> {
+        let scenario = results.join(&self.scenario);
+        let other = KeyLevels::all().filter(|levels| *levels != self.levels);
+        other.map(move |levels| scenario.join(levels.folder(&self.key)))
     }
 }
 
 impl ShardHead {
     /// The head of a shard of this program.
-    pub fn new(shard: u64, of: u64, runs: usize, plan: String) -> Self {
-        ShardHead { schema: SHARD_SCHEMA, program: PROGRAM.to_owned(), shard, of, runs, plan }
+    pub fn new(shard: u64, of: u64, runs: usize, plan: String, files: BTreeMap<String, String>) -> Self {
+        ShardHead { schema: SHARD_SCHEMA, program: PROGRAM.to_owned(), shard, of, runs, plan, files }
+    }
+
+    /// A file that another shard found with other bytes.
+    pub fn changed_file(&self, files: &BTreeMap<String, String>) -> Option<&str> {
+        let changed = self.files.iter().find(|(name, hash)| files.get(*name).is_some_and(|other| other != *hash));
+        changed.map(|(name, _)| name.as_str())
     }
 
     /// Writes the list into a folder of results.
@@ -77,20 +100,17 @@ impl ShardHead {
     }
 }
 
-/// A hash of the runs of a plan.
+/// A hash of what defines the runs of a plan.
 #[derive(Default)]
 pub struct PlanHash(blake3::Hasher);
 
 impl PlanHash {
-    /// Adds the next run.
-    pub fn add(&mut self, scenario: &str, key: &str) {
-        // Names contain no zero byte.
-        for name in [scenario, key] {
-            self.0.update(name.as_bytes()).update(&[0]);
-        }
+    /// Adds bytes.
+    pub fn add(&mut self, bytes: &[u8]) {
+        self.0.update(&(bytes.len() as u64).to_le_bytes()).update(bytes);
     }
 
-    /// The hash of all added runs.
+    /// The hash of all that was added.
     pub fn end(&self) -> String {
         self.0.finalize().to_hex()[..32].to_owned()
     }
@@ -117,10 +137,12 @@ impl ShardList {
         Ok(ShardList { head: json::parse(text.as_bytes(), &path, SHARD_SCHEMA)?, path, lines })
     }
 
-    /// Refuses names that are not plain folder names, since merging copies and removes folders of
-    /// these names.
+    /// Refuses scenarios that are not plain folder names, and keys of another form than those of
+    /// runs, since merging copies and removes folders of these names.
     fn checked(&self, run: ShardRun) -> Result<ShardRun, RecordError> {
-        let invalid = [&run.scenario, &run.key].into_iter().find(|name| !confined::is_plain(name)).cloned();
+        let is_key = run.key.len() == KEY_DIGITS && run.key.bytes().all(|byte| byte.is_ascii_hexdigit());
+        let invalid = [(&run.scenario, confined::is_plain(&run.scenario)), (&run.key, is_key)];
+        let invalid = invalid.into_iter().find(|(_, is_valid)| !is_valid).map(|(name, _)| name.clone());
         invalid.map_or(Ok(run), |name| Err(RecordError::Name { path: self.path.clone(), name }))
     }
 }

@@ -39,6 +39,9 @@ pub struct Event {
 
 /// The events of a run in order of time; `None` after an error, which goes to `findings`.
 pub(super) fn read(run: &Run, sources: &Sources, findings: &mut Findings) -> Option<Vec<Event>> {
+    if run.scenario.event.is_empty() {
+        return Some(Vec::new());
+    }
     let mut order: Vec<usize> = (0..run.scenario.event.len()).collect();
     order.sort_by(|&a, &b| run.scenario.event[a].at.total_cmp(&run.scenario.event[b].at));
     let mut root = run.origin.tree();

@@ -11,16 +11,16 @@ use super::reference::Reference;
 use super::run::{Origin, Run};
 use super::scenario::{self, Scenario};
 use super::sweep::{Cell, Grid};
+use super::unused_parameters::UnusedParameters;
 use super::{events, overrides};
-use crate::contact::methods::registry::METHODS;
 use crate::scenario::findings::Findings;
 use crate::scenario::key_path::KeyPath;
-use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
+use crate::text::diagnostic::{Diagnostic, Diagnostics};
 use crate::text::source::{Sources, Span};
 use crate::text::toml_tree::Node;
 
 /// Number of errors after which an expansion stops.
-const MAX_ERRORS: usize = 50;
+pub(super) const MAX_ERRORS: usize = 50;
 
 /// Number of repetitions that are created in one pass over their values.
 const REPETITIONS_PER_PASS: u32 = 64;
@@ -28,9 +28,11 @@ const REPETITIONS_PER_PASS: u32 = 64;
 /// A file with its overrides and its sweep; creates each run by its number.
 pub struct Expansion {
     file: ScenarioFile,
-    sources: Sources,
+    pub(super) sources: Sources,
     base: Arc<Node>,
     grid: Grid,
+    /// A hash of all values as written, sweep included.
+    definition: [u8; 32],
     /// Files read so far; their bytes do not change between runs.
     files: Mutex<Files>,
 }
@@ -54,8 +56,9 @@ impl ScenarioFile {
             findings.append(scenario::read(&base).1);
             return Err(findings.into_diagnostics(&sources));
         }
+        let definition = definition(&base);
         base.remove("sweep");
-        Ok(Expansion { file: self.clone(), sources, base: Arc::new(base), grid, files: Mutex::default() })
+        Ok(Expansion { file: self.clone(), sources, base: Arc::new(base), grid, definition, files: Mutex::default() })
     }
 }
 
@@ -68,6 +71,22 @@ impl Expansion {
     /// Number of runs.
     pub fn runs(&self) -> usize {
         self.grid.runs()
+    }
+
+    /// Number of runs that differ in their seeds alone, and follow each other.
+    pub fn repetitions(&self) -> usize {
+        self.grid.repeat.max(1) as usize
+    }
+
+    /// True if the key is swept, as a whole or in part.
+    pub fn sweeps(&self, key: &str) -> bool {
+        self.grid.overlaps(&KeyPath::internal(key))
+    }
+
+    /// A hash of the values that define all runs: those of the file, with its sweep and overrides.
+    /// The path of the robot does not count, since it may differ between machines.
+    pub fn definition(&self) -> &[u8; 32] {
+        &self.definition
     }
 
     /// Creates each run in order and passes it to `consume`. A warning that several runs share is
@@ -85,11 +104,11 @@ impl Expansion {
                 .map(move |at| (cell, at..repeat.min(at + REPETITIONS_PER_PASS)))
         };
         for (cell, repetitions) in (0..self.grid.cells()).flat_map(parts) {
-            let runs = self.cell(cell, repetitions, &mut findings);
+            let runs = self.cell(cell, repetitions, Values::Written, &mut findings);
             if findings.errors() >= MAX_ERRORS {
                 break;
             }
-            for run in runs.unwrap_or_default() {
+            for run in runs.map(|cell| cell.runs).unwrap_or_default() {
                 unused.check(&run);
                 consume(run);
             }
@@ -101,13 +120,29 @@ impl Expansion {
     pub fn run(&self, number: usize) -> Option<Run> {
         let repeat = self.grid.repeat.max(1);
         let repetition = (number % repeat as usize) as u32;
-        let runs = self.cell(number / repeat as usize, repetition..repetition + 1, &mut Findings::default());
-        runs?.pop().filter(|_| number < self.runs())
+        let repetitions = repetition..repetition + 1;
+        let runs = self.cell(number / repeat as usize, repetitions, Values::Written, &mut Findings::default());
+        runs?.runs.pop().filter(|_| number < self.runs())
+    }
+
+    /// The run with this number, without its text and swept parameters, and whether its reference
+    /// has a seed of its own. `None` after an error of any of its repetitions, which goes to
+    /// `findings`.
+    pub(super) fn check_cell(&self, number: usize, findings: &mut Findings) -> Option<(Run, bool)> {
+        let (cell, repetition) = (number / self.repetitions(), (number % self.repetitions()) as u32);
+        let mut cell = self.cell(cell, repetition..repetition + 1, Values::Checked, findings)?;
+        Some((cell.runs.pop()?, cell.reference_has_own_seed))
     }
 
     /// Some repetitions of a combination of values; `None` after an error, which goes to
     /// `findings`.
-    fn cell(&self, number: usize, repetitions: Range<u32>, findings: &mut Findings) -> Option<Vec<Run>> {
+    fn cell(
+        &self,
+        number: usize,
+        repetitions: Range<u32>,
+        values: Values,
+        findings: &mut Findings,
+    ) -> Option<CellRuns> {
         let (sources, cell) = (&self.sources, self.grid.cell(number));
         let swept = cell.values();
         let mut root = Node::clone(&self.base);
@@ -130,27 +165,35 @@ impl Expansion {
             let mut read = |scenario: &Scenario| files.read(scenario, &self.file.path, &root, findings);
             (read(&scenario), reference.as_ref().map(|r| read(&r.scenario)).unwrap_or_default())
         };
-        let parts = CellParts { expansion: self, root: &root, swept: &swept };
+        let parts = CellParts { expansion: self, root: &root, swept: &swept, values };
         let mut runs = Vec::new();
         for repetition in repetitions {
             let index = number * self.grid.repeat as usize + repetition as usize;
+            let later = u64::from(self.grid.repeat.saturating_sub(repetition + 1));
             let seeded =
                 |scenario: &Scenario, by: u32| Scenario { seed: scenario.seed + u64::from(by), ..scenario.clone() };
             let reference = match &reference {
                 Some(reference) => {
-                    let by = if reference.fixes_seed() { 0 } else { repetition };
+                    let (by, later) = if reference.has_own_seed() { (0, 0) } else { (repetition, later) };
                     let scenario = seeded(&reference.scenario, by);
-                    let (run, _) = parts.run(index, scenario, &reference_inputs, &reference.values, findings)?;
+                    let (run, _) = parts.run(index, scenario, later, &reference_inputs, &reference.values, findings)?;
                     Some(Box::new(run))
                 }
                 None => None,
             };
-            let (run, table) = parts.run(index, seeded(&scenario, repetition), &inputs, &[], findings)?;
-            let (parameters, warnings) = (Cell::parameters(&cell, &root, &table), std::mem::take(&mut warnings));
+            let (run, table) = parts.run(index, seeded(&scenario, repetition), later, &inputs, &[], findings)?;
+            let parameters = table.map(|table| Cell::parameters(&cell, &root, &table)).unwrap_or_default();
+            let warnings = std::mem::take(&mut warnings);
             runs.push(Run { parameters, warnings, reference, ..run });
         }
-        Some(runs)
+        Some(CellRuns { runs, reference_has_own_seed: reference.is_some_and(|r| r.has_own_seed()) })
     }
+}
+
+/// Some runs of a cell.
+struct CellRuns {
+    runs: Vec<Run>,
+    reference_has_own_seed: bool,
 }
 
 /// Data that all runs of a cell share.
@@ -158,19 +201,35 @@ struct CellParts<'a> {
     expansion: &'a Expansion,
     root: &'a Node,
     swept: &'a [(KeyPath, Node)],
+    values: Values,
+}
+
+/// Whether the values of a run are written out.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Values {
+    /// As TOML.
+    Written,
+    /// Only checked that they can be, for all repetitions.
+    Checked,
 }
 
 impl CellParts<'_> {
+    /// A run; `later` repetitions with greater seeds follow it.
     fn run(
         &self,
         index: usize,
         scenario: Scenario,
+        later: u64,
         inputs: &[Input],
         values: &[(KeyPath, Node)],
         findings: &mut Findings,
-    ) -> Option<(Run, toml::Table)> {
+    ) -> Option<(Run, Option<toml::Table>)> {
         let Expansion { file, sources, base, .. } = self.expansion;
-        match resolved(&scenario) {
+        let written = match self.values {
+            Values::Written => resolved(&scenario).map(|(text, table)| (text, Some(table))),
+            Values::Checked => check_seed(scenario.seed.saturating_add(later)).map(|()| (String::new(), None)),
+        };
+        match written {
             Ok((resolved_toml, table)) => {
                 let mut run = Run {
                     name: file.name(),
@@ -202,39 +261,6 @@ impl CellParts<'_> {
     }
 }
 
-/// Parameters of contact methods that no run of the file uses.
-#[derive(Default)]
-struct UnusedParameters {
-    used: Vec<&'static str>,
-    /// The warning about each method, from the first run that gives its parameters.
-    warnings: Vec<(&'static str, Diagnostic)>,
-}
-
-impl UnusedParameters {
-    fn check(&mut self, run: &Run) {
-        let contact = &run.scenario.contact;
-        let used = contact.method.name();
-        if !self.used.contains(&used) {
-            self.used.push(used);
-        }
-        let parameters = contact.parameters();
-        for name in METHODS.iter().filter(|method| (method.is_configured)(&parameters)).map(|method| method.name) {
-            if self.warnings.iter().any(|(known, _)| *known == name) {
-                continue;
-            }
-            let message = format!("`contact.{name}` has no effect: `contact.method` is \"{used}\"");
-            let warning = run.diagnose(&format!("contact.{name}"), Severity::Warning, true, message, None);
-            self.warnings.push((name, warning));
-        }
-    }
-
-    fn warnings(mut self) -> Diagnostics {
-        self.warnings.retain(|(name, _)| !self.used.contains(name));
-        self.warnings.sort_by_key(|(name, _)| METHODS.iter().position(|method| method.name == *name));
-        Diagnostics(self.warnings.into_iter().map(|(_, warning)| warning).collect())
-    }
-}
-
 /// For an error in a swept value: the position in the file that the value replaces.
 fn replaced_position(span: &Span, swept: &[(KeyPath, Node)], base: &Node, sources: &Sources) -> Option<String> {
     let within = |outer: &Span| outer.start <= span.start && span.end <= outer.end;
@@ -261,10 +287,29 @@ enum ResolveError {
     Toml(#[from] toml::ser::Error),
 }
 
+/// Refuses a seed that TOML cannot hold; names the first of its repetitions.
+fn check_seed(seed: u64) -> Result<(), ResolveError> {
+    match i64::try_from(seed) {
+        Ok(_) => Ok(()),
+        Err(_) => Err(ResolveError::Seed(i64::MAX as u64 + 1)),
+    }
+}
+
+/// A hash of a tree of values, without the robot's path.
+fn definition(root: &Node) -> [u8; 32] {
+    let mut tree = root.clone();
+    if let Some(robot) = tree.get_mut("robot") {
+        robot.remove("model");
+    }
+    let mut hasher = blake3::Hasher::new();
+    tree.hash(&mut |bytes| {
+        hasher.update(bytes);
+    });
+    *hasher.finalize().as_bytes()
+}
+
 /// The scenario with every value written out, as a text and as a table.
 fn resolved(scenario: &Scenario) -> Result<(String, toml::Table), ResolveError> {
-    if i64::try_from(scenario.seed).is_err() {
-        return Err(ResolveError::Seed(scenario.seed));
-    }
+    check_seed(scenario.seed)?;
     Ok((toml::to_string(scenario)?, toml::Table::try_from(scenario)?))
 }

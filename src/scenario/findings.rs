@@ -45,6 +45,10 @@ impl Findings {
         new
     }
 
+    pub fn is_empty(&self) -> bool {
+        self.found.is_empty() && self.more == 0
+    }
+
     pub fn has_errors(&self) -> bool {
         self.errors() > 0
     }

@@ -17,6 +17,7 @@ mod checks;
 mod decode;
 mod events;
 mod expansion;
+mod expansion_check;
 mod file;
 mod findings;
 pub(crate) mod format;
@@ -29,6 +30,7 @@ mod run_key;
 #[expect(clippy::module_inception)]
 mod scenario;
 mod sweep;
+mod unused_parameters;
 
 pub use crate::metrics::METRICS;
 pub use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
@@ -36,6 +38,7 @@ pub(crate) use crate::text::toml_syntax::segment;
 pub use checks::host_and_port;
 pub use events::Event;
 pub use expansion::Expansion;
+pub use expansion_check::{CheckedCell, CheckedCells, ExpansionCheck};
 pub use file::{ScenarioFile, load, parse};
 pub use format::{
     change::ChangeSpec,
@@ -68,6 +71,6 @@ pub use format::{
 pub use inputs::Input;
 pub use overrides::{OverrideError, parse_override};
 pub use run::{DEFAULT_MAX_RUNS, Origin, Run};
-pub use run_key::key;
+pub use run_key::{KeyHasher, key};
 pub use scenario::{FORMAT, Scenario, schema};
 pub use sweep::MAX_BATCH_RUNS;

@@ -49,9 +49,12 @@ impl Reference {
         for part in EXCLUDED_KEYS {
             tree.remove(part);
         }
-        let (scenario, found) = scenario::read(&tree);
-        let mut warnings = findings.append(found);
-        warnings.explain(|_| Some("this concerns the reference run".into()));
+        let (scenario, mut found) = scenario::read(&tree);
+        // Without a scenario there are errors, which replace the warnings.
+        if scenario.is_some() {
+            found.explain(|_| Some("this concerns the reference run".into()));
+        }
+        let warnings = findings.append(found);
         let log = log_settings(cell);
         scenario.filter(|_| is_valid).map(|scenario| Reference {
             scenario: Scenario { log, ..scenario },
@@ -61,7 +64,7 @@ impl Reference {
     }
 
     /// True when the reference sets its own seed.
-    pub fn fixes_seed(&self) -> bool {
+    pub fn has_own_seed(&self) -> bool {
         self.values.iter().any(|(path, _)| path.segments[0].0 == "seed")
     }
 }

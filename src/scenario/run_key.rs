@@ -8,15 +8,34 @@
 pub fn key(inputs: &[(&str, &[u8])]) -> String {
     let mut sorted = inputs.to_vec();
     sorted.sort_unstable();
-    let mut hasher = blake3::Hasher::new();
-    for (label, bytes) in sorted {
+    let mut hasher = KeyHasher::default();
+    sorted.into_iter().for_each(|(label, bytes)| hasher.add(label, &[bytes]));
+    format!("{:016x}", hasher.key())
+}
+
+/// A key under construction. Copies continue from the inputs that they share.
+#[derive(Clone, Default)]
+pub struct KeyHasher(blake3::Hasher);
+
+impl KeyHasher {
+    /// Adds an input, whose bytes are given in parts. Inputs must be added in the order of their
+    /// labels.
+    pub fn add(&mut self, label: &str, parts: &[&[u8]]) {
         // Lengths come first, so that no two lists of inputs give the same bytes.
-        for part in [label.as_bytes(), bytes] {
-            hasher.update(&(part.len() as u64).to_le_bytes());
-            hasher.update(part);
-        }
+        let length: usize = parts.iter().map(|part| part.len()).sum();
+        self.0.update(&(label.len() as u64).to_le_bytes()).update(label.as_bytes());
+        self.0.update(&(length as u64).to_le_bytes());
+        parts.iter().for_each(|part| {
+            self.0.update(part);
+        });
     }
-    hasher.finalize().to_hex()[..16].to_owned()
+
+    /// The key of the inputs so far: the first 64 bits of their hash.
+    pub fn key(&self) -> u64 {
+        let mut first = [0; 8];
+        first.copy_from_slice(&self.0.finalize().as_bytes()[..8]);
+        u64::from_be_bytes(first)
+    }
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ pub(super) fn check(sweep: &Sweep) -> Result<(), SubmitError> {
         if jobs.parts != sweep.parts.get() {
             return other(format!("it was submitted in {} parts, not {}", jobs.parts, sweep.parts));
         }
-        if jobs.plan != sweep.plan {
+        if jobs.plan != sweep.plan || jobs.files != sweep.files {
             return other(difference(jobs.runs, sweep));
         }
     }
@@ -39,7 +39,8 @@ pub(super) fn check(sweep: &Sweep) -> Result<(), SubmitError> {
         if (Some(head.shard), head.of) != (expected, sweep.parts.get()) {
             return other(format!("its {name} is part {} of {}, not of {}", head.shard, head.of, sweep.parts));
         }
-        if (head.runs, &head.plan) != (sweep.runs, &sweep.plan) {
+        let is_other = (head.runs, &head.plan) != (sweep.runs, &sweep.plan);
+        if is_other || head.changed_file(&sweep.files).is_some() {
             return other(format!("its {name} is of another plan: {}", difference(head.runs, sweep)));
         }
     }

@@ -1,6 +1,7 @@
 //! Reads and writes `jobs.json`, the record of a submission. It names the jobs and identifies the
 //! plan, so that a later submission to the same folder can be compared with it.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -28,6 +29,9 @@ pub struct Jobs {
     pub runs: usize,
     /// Hash of the plan, as in `shard.jsonl`.
     pub plan: String,
+    /// Hashes of files, as in `shard.jsonl`.
+    #[serde(default)]
+    pub files: BTreeMap<String, String>,
     /// Command of every part, one entry per argument; the engine adds the number of the part.
     pub command: Vec<String>,
     /// Number of the job array.

@@ -20,6 +20,7 @@ mod quoting;
 pub mod slurm;
 mod submit_error;
 
+use std::collections::BTreeMap;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
@@ -46,6 +47,8 @@ pub struct Sweep {
     pub runs: usize,
     /// Hash of the plan, see [`crate::results::PlanHash`].
     pub plan: String,
+    /// Hashes of the files that its runs use, by their names in the scenarios.
+    pub files: BTreeMap<String, String>,
 }
 
 impl Sweep {
@@ -107,6 +110,7 @@ mod tests {
                 parts,
                 runs,
                 plan: String::new(),
+                files: BTreeMap::new(),
             };
             sweep.check_parts().err().map(|error| error.to_string()).unwrap_or_default()
         };

@@ -90,6 +90,40 @@ impl Node {
         self.entry(key).map(|e| &e.node)
     }
 
+    pub fn get_mut(&mut self, key: &str) -> Option<&mut Node> {
+        let Value::Table(entries) = &mut self.value else { return None };
+        entries.iter_mut().find(|e| e.key == key).map(|e| &mut e.node)
+    }
+
+    /// Passes bytes to `add` that differ for different values. Spans do not count, the order of
+    /// keys does.
+    pub fn hash(&self, add: &mut dyn FnMut(&[u8])) {
+        let mut part = |kind: u8, bytes: &[u8]| {
+            add(&[kind]);
+            add(&(bytes.len() as u64).to_le_bytes());
+            add(bytes);
+        };
+        match &self.value {
+            Value::String(text) => part(b's', text.as_bytes()),
+            Value::Integer(number) => part(b'i', &number.to_le_bytes()),
+            Value::Float(number) => part(b'f', &number.to_bits().to_le_bytes()),
+            Value::Boolean(yes) => part(b'b', &[u8::from(*yes)]),
+            Value::Datetime(text) => part(b'd', text.as_bytes()),
+            Value::Array(items) => {
+                part(b'a', &(items.len() as u64).to_le_bytes());
+                items.iter().for_each(|item| item.hash(add));
+            }
+            Value::Table(entries) => {
+                part(b't', &(entries.len() as u64).to_le_bytes());
+                for entry in entries {
+                    add(&(entry.key.len() as u64).to_le_bytes());
+                    add(entry.key.as_bytes());
+                    entry.node.hash(add);
+                }
+            }
+        }
+    }
+
     /// Removes an entry of a table.
     pub fn remove(&mut self, key: &str) -> Option<Entry> {
         let Value::Table(entries) = &mut self.value else { return None };

@@ -169,18 +169,77 @@ fn results_that_do_not_belong_together_are_refused() {
     fs::write(&path, original).unwrap();
 }
 
+/// A part plans its own runs of a large sweep only, and they are those of the whole plan.
+#[test]
+fn a_part_of_a_large_sweep_has_its_runs_of_the_whole() {
+    let place = Place::new();
+    // The method and the friction are swept, so parts differ in what their runs use.
+    place.block(
+        "s.toml",
+        "[contact.penalty]\nstiffness = 1e6\n[sweep]\nrepeat = 25001\n[sweep.grid]\n\
+         \"contact.method\" = [\"exact\", \"penalty\"]\n\"floor.friction\" = [0.2, 0.4]\n",
+    );
+    let list = |more: &[&str]| {
+        let arguments = ["list", "s.toml", "--format", "csv", "--max-runs", "200000"];
+        let done = place.runner(&[&arguments[..], more].concat()).exits(0);
+        (done.stdout.lines().skip(1).map(str::to_owned).collect::<Vec<_>>(), done.stderr)
+    };
+    let parts = ["1/1000", "77/1000", "1000/1000"].map(|shard| list(&["--shard", shard]));
+    for (own, text) in &parts {
+        assert!((100..=101).contains(&own.len()), "{}", own.len());
+        assert!(text.contains(" runs of 100004\n") && !text.contains("no effect"), "{text}");
+    }
+    // With a filter the whole plan is made, of which the part is taken.
+    let (filtered, _) = list(&["--shard", "77/1000", "--filter", "seed > 0"]);
+    assert_eq!(parts[1].0, filtered);
+}
+
+/// Without the whole plan, a part does not see that a run of another part is the same.
+#[test]
+fn equal_runs_of_different_parts_do_not_merge() {
+    let place = Place::new();
+    place.block("s.toml", "[sweep]\nrepeat = 4\n");
+    for part in ["1/2", "2/2"] {
+        place.runner(&["s.toml", "--no-log", "--set", "duration=0.02", "--shard", part, "-o", &part[..1]]).exits(0);
+    }
+    let list = place.path("2/shard.jsonl");
+    let text = fs::read_to_string(&list).unwrap();
+    let key = |text: &str| text.split_once("\"key\":\"").unwrap().1[..16].to_owned();
+    let other = key(&fs::read_to_string(place.path("1/shard.jsonl")).unwrap());
+    fs::write(&list, text.replace(&key(&text), &other)).unwrap();
+    let done = place.runner(&merge(&["1", "2"], "merged")).exits(2);
+    assert!(done.stderr.contains(" of the plan are the same: s ") && done.stderr.contains(&other), "{}", done.stderr);
+    assert!(!place.path("merged").exists());
+}
+
+/// Parts whose machines have different files of one name do not merge.
+#[test]
+fn parts_with_different_files_do_not_merge() {
+    let place = Place::new();
+    place.block("s.toml", "[sweep]\nrepeat = 4\n");
+    let run = |part: &str| {
+        place.runner(&["s.toml", "--no-log", "--set", "duration=0.02", "--shard", part, "-o", &part[..1]]).exits(0)
+    };
+    run("1/2");
+    let robot = fs::read_dir(place.path("block")).unwrap().flatten().map(|e| e.path());
+    let robot = robot.into_iter().find(|path| path.extension().is_some_and(|e| e == "urdf")).expect("the block");
+    fs::write(&robot, fs::read_to_string(&robot).unwrap() + "<!-- changed -->\n").unwrap();
+    run("2/2");
+    let done = place.runner(&merge(&["1", "2"], "merged")).exits(2);
+    assert!(done.stderr.contains("1 and 2 are not shards of one plan: a file differs: s: "), "{}", done.stderr);
+    assert!(!place.path("merged").exists());
+}
+
 #[test]
 fn a_shard_may_be_empty() {
     let place = Place::new();
     place.block("s.toml", "");
-    let key = place.runner(&["list", "s.toml", "--format", "json"]).exits(0).stdout;
-    let key = serde_json::from_str::<serde_json::Value>(&key).unwrap()[0]["key"].as_str().unwrap().to_owned();
-    let own = u64::from_str_radix(&key, 16).unwrap() % 2 + 1;
-    for i in 1..=2 {
+    let own = [1, 2].map(|i| {
         let (shard, output) = (format!("{i}/2"), format!("shard-{i}"));
         let done = place.runner(&["s.toml", "--set", "duration=5", "--shard", &shard, "-o", &output]).exits(0);
-        assert_eq!(done.stderr.contains(&format!("shard {shard}: 1 run of 1")), i == own, "{}", done.stderr);
-    }
+        done.stderr.contains(&format!("shard {shard}: 1 run of 1"))
+    });
+    assert!(own[0] != own[1]);
     place.runner(&merge(&["shard-1", "shard-2"], "merged")).exits(0);
     assert_eq!(place.summary("merged").rows.len(), 1);
 }

@@ -154,6 +154,14 @@ fn merging_follows_neither_links_nor_invalid_names() {
         assert!(done.stderr.contains(&format!("\"{name}\" is not a valid folder name")), "{}", done.stderr);
         assert_elsewhere_unchanged(&place);
     }
+    // Keys that would be folders of several runs.
+    let (head, runs) = text.split_once('\n').unwrap();
+    let key = runs.split_once("\"key\":\"").unwrap().1[..16].to_owned();
+    for name in ["references", "3f", "..", "0123456789abcdeg"] {
+        fs::write(&list, format!("{head}\n{}", runs.replace(&key, name))).unwrap();
+        let done = place.runner(&MERGE).exits(2);
+        assert!(done.stderr.contains(&format!("\"{name}\" is not a valid folder name")), "{}", done.stderr);
+    }
     fs::write(&list, text).unwrap();
     place.runner(&MERGE).exits(0);
 }

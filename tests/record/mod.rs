@@ -1,5 +1,6 @@
 //! Tests of the results of runs: written, then read back, partly by other libraries.
 
+mod layout;
 mod log;
 mod log_values;
 mod pareto;

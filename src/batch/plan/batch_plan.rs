@@ -1,7 +1,7 @@
 //! The plan of a batch: compact tickets, expanded to jobs on demand.
 
-use crate::files::names;
-use std::collections::HashMap;
+use crate::files::{KeyLevels, names};
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -23,6 +23,10 @@ pub struct Plan {
     pub files: Vec<PathBuf>,
     /// The shard that this plan is; none for a whole plan.
     pub part: Option<Part>,
+    /// The filter that selected the runs.
+    pub(in crate::batch) filter: Option<String>,
+    /// Hashes of files that the runs use, by their names in the scenarios.
+    pub(in crate::batch) used: BTreeMap<String, String>,
     /// Swept parameters that replace those of the runs: on replay, those of the record.
     pub(in crate::batch) swept: Option<Arc<[(String, toml::Value)]>>,
 }
@@ -49,6 +53,15 @@ pub(in crate::batch) struct Source {
     pub name: String,
     /// Combined traits of its runs.
     pub kind: Traits,
+    /// Position of its first run among the runs of all files and shards.
+    pub first: usize,
+}
+
+impl Source {
+    /// Folders above those of its runs.
+    fn levels(&self) -> KeyLevels {
+        KeyLevels::of(self.expansion.runs())
+    }
 }
 
 /// Combined traits of the runs of a file.
@@ -125,7 +138,18 @@ impl Plan {
 
     /// Folder of the records of the run at a position, below the results folder.
     pub fn folder(&self, index: usize, results: &Path) -> PathBuf {
-        results.join(self.scenario(index)).join(self.key(index))
+        results.join(self.scenario(index)).join(self.levels(index).folder(&self.key(index)))
+    }
+
+    /// Folders between that of the scenario and that of the run at a position.
+    pub(in crate::batch) fn levels(&self, index: usize) -> KeyLevels {
+        self.sources[self.runs[index].source as usize].levels()
+    }
+
+    /// Position of a run in the plan of all shards, before any filter.
+    pub(in crate::batch) fn position_in_whole(&self, index: usize) -> usize {
+        let Ticket { source, number, .. } = self.runs[index];
+        self.sources[source as usize].first + number as usize
     }
 
     /// Number of runs of a scenario file.
@@ -171,11 +195,11 @@ impl Plan {
         }
         let path = run.resolve(&run.scenario.robot.model);
         let mut robots = self.robots.lock().unwrap_or_else(PoisonError::into_inner);
-        let robot = robots.get(&path, &run.scenario.robot).0.expect("a robot that has been loaded");
+        let robot = robots.get(&path, &run.scenario.robot).expect("a robot that has been loaded");
         let key = key_text(ticket.key);
         let label =
             if role == Role::Reference { format!("reference {key}") } else { label(&run, source.kind.repeated) };
-        Job { index, run, robot, key, label, role }
+        Job { index, run, robot, key, label, role, levels: source.levels() }
     }
 }
 
@@ -206,6 +230,8 @@ pub struct Job {
     pub label: String,
     /// Its role in comparisons.
     pub role: Role,
+    /// Folders between that of its scenario and its own.
+    pub levels: KeyLevels,
 }
 
 /// A run's role in comparisons.
@@ -223,11 +249,21 @@ pub enum Role {
 impl Job {
     /// Folder of its records below the results folder.
     pub fn folder(&self, results: &Path) -> PathBuf {
+        self.folder_at(results, self.levels)
+    }
+
+    /// Folders that it has as part of a scenario with another number of runs.
+    pub(in crate::batch) fn other_folders(&self, results: &Path) -> impl Iterator<Item = PathBuf> {
+        KeyLevels::all().filter(|levels| *levels != self.levels).map(move |levels| self.folder_at(results, levels))
+    }
+
+    fn folder_at(&self, results: &Path, levels: KeyLevels) -> PathBuf {
         let scenario = results.join(&self.run.name);
+        let key = levels.folder(&self.key);
         match self.role {
-            Role::Run { .. } => scenario.join(&self.key),
+            Role::Run { .. } => scenario.join(key),
             // One level deeper, so that listing a scenario's runs does not include it.
-            Role::Reference => scenario.join(names::REFERENCES).join(&self.key),
+            Role::Reference => scenario.join(names::REFERENCES).join(key),
         }
     }
 

@@ -5,6 +5,9 @@ use std::collections::HashSet;
 use crate::robot::RobotError;
 use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
 
+/// Number of errors after which checking stops.
+pub(super) const MAX_ERRORS: usize = 50;
+
 /// An error, warning or note.
 #[derive(Clone, Debug)]
 pub enum Finding {

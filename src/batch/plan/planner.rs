@@ -1,23 +1,28 @@
 //! Turns scenario files into a checked plan.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use crate::assemble::{log_size, setup};
-use crate::batch::plan::batch_plan::{NONE, Plan, Source, Ticket, Traits};
-use crate::batch::plan::robot_cache::Robots;
-use crate::batch::plan::run_key;
-use crate::batch::{Finding, Findings};
-use crate::files::input;
-use crate::files::names::BATCH_FILES;
-use crate::robot::{Robot, RobotError};
-use crate::scenario::{self, Diagnostic, Diagnostics, Expansion, Run, ScenarioFile, Severity};
-use crate::script::time_limited;
+use rayon::prelude::*;
 
-/// Number of errors after which checking stops.
-const MAX_ERRORS: usize = 50;
+use crate::batch::plan::batch_plan::{NONE, Plan, Source, Ticket, Traits};
+use crate::batch::plan::finding::MAX_ERRORS;
+use crate::batch::plan::robot_cache::Robots;
+use crate::batch::plan::run_check::{CheckedRun, CheckedRuns, FileIdentity, RunCheck, RunFinding};
+use crate::batch::{Finding, Findings, Shard};
+use crate::files::names::BATCH_FILES;
+use crate::scenario::{self, Diagnostic, Expansion, ExpansionCheck, ScenarioFile};
+
+/// Greatest number of runs of a file that each shard checks; of larger ones it checks its own runs.
+const MAX_CHECKED_BY_ALL: usize = 100_000;
+
+/// Greatest number of runs that a thread checks at a time.
+const CHUNK: usize = 1_000;
+
+/// Number of chunks in memory at a time.
+const CHUNKS: usize = 64;
 
 /// Wall-clock time after which the scripts of a run must be ready.
 pub const DEFAULT_TIME_LIMIT: Duration = Duration::from_secs(60);
@@ -33,10 +38,11 @@ pub fn prepare(
     overrides: &[(String, toml::Value)],
     max_runs: usize,
 ) -> Result<(Plan, Findings), Findings> {
-    prepare_within(files, overrides, max_runs, DEFAULT_TIME_LIMIT)
+    prepare_within(files, overrides, max_runs, DEFAULT_TIME_LIMIT, None)
 }
 
-/// Like [`prepare`]; the scripts of a run must be ready within `time_limit` of wall-clock time.
+/// Like [`prepare`]; the scripts of a run must be ready within `time_limit` of wall-clock time. With
+/// a shard, the plan has its runs only; other runs of large files are not checked.
 ///
 /// # Errors
 /// See [`prepare`].
@@ -45,8 +51,9 @@ pub fn prepare_within(
     overrides: &[(String, toml::Value)],
     max_runs: usize,
     time_limit: Duration,
+    shard: Option<Shard>,
 ) -> Result<(Plan, Findings), Findings> {
-    let mut planner = Planner { max_runs, time_limit, ..Planner::default() };
+    let mut planner = Planner { max_runs, time_limit, shard, ..Planner::default() };
     let files = distinct(files);
     for path in &files {
         planner.add(path, overrides);
@@ -77,33 +84,77 @@ fn distinct(files: &[PathBuf]) -> Vec<PathBuf> {
 
 #[derive(Default)]
 struct Planner {
-    robots: Robots,
+    robots: Mutex<Robots>,
     runs: Vec<Ticket>,
-    references: Vec<Ticket>,
     sources: Vec<Arc<Source>>,
     findings: Findings,
     max_runs: usize,
     /// Wall-clock limit of building one setup.
     time_limit: Duration,
+    /// The shard to plan; none for all runs.
+    shard: Option<Shard>,
+    /// Runs of all shards.
+    total: usize,
     /// Files by scenario name; a name is also a folder of the results.
     names: HashMap<String, PathBuf>,
-    /// Files already checked for symbolic links.
-    link_checked: HashSet<PathBuf>,
-    /// References by key, with the shape of their robots.
-    known: HashMap<u64, (u32, Shape)>,
+    /// Files whose findings are reported.
+    reported: HashSet<FileIdentity>,
+    /// Hashes of files that runs use, by their names.
+    used: BTreeMap<String, String>,
+    /// References so far.
+    references: References,
 }
 
-/// Numbers of joints and soles, which must be equal for two runs to be compared.
-type Shape = (usize, usize);
+/// Reference runs, each once, in the order of first use.
+#[derive(Clone, Default)]
+struct References {
+    tickets: Vec<Ticket>,
+    /// Their positions by their keys.
+    known: HashMap<u64, u32>,
+}
+
+impl References {
+    /// Position of a reference, which is added unless it is known.
+    fn position(&mut self, ticket: Ticket) -> u32 {
+        *self.known.entry(ticket.key).or_insert_with(|| {
+            self.tickets.push(ticket);
+            self.tickets.len() as u32 - 1
+        })
+    }
+}
+
+/// The runs of a file, with what was found about them.
+struct FileRuns<'a> {
+    expansion: &'a Expansion,
+    name: String,
+    cells: ExpansionCheck<'a>,
+    found: Vec<RunFinding>,
+    runs: Vec<Ticket>,
+    references: References,
+    /// Position of the file among the sources.
+    source: u32,
+    /// Number of the first run of each combination of values, by its key.
+    combinations: HashMap<u64, usize>,
+    /// First seed of the runs, and whether others differ.
+    seed: Option<(u64, bool)>,
+    remote: bool,
+    /// Number of errors that concern runs.
+    errors: Findings,
+}
 
 impl Planner {
     fn plan(self, files: Vec<PathBuf>) -> Result<(Plan, Findings), Findings> {
-        let Planner { robots, runs, references, sources, findings, .. } = self;
+        let Planner { robots, runs, references, sources, findings, used, .. } = self;
         if findings.errors() > 0 {
             return Err(findings);
         }
-        let robots = Arc::new(Mutex::new(robots));
-        Ok((Plan { runs, references, sources, robots, files, part: None, swept: None }, findings))
+        let robots = Arc::new(Mutex::new(robots.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)));
+        let references = references.tickets;
+        let mut plan = Plan { runs, references, sources, robots, files, part: None, swept: None, filter: None, used };
+        if let Some(shard) = self.shard {
+            plan.set_part(shard, self.total);
+        }
+        Ok((plan, findings))
     }
 
     fn add(&mut self, path: &Path, overrides: &[(String, toml::Value)]) {
@@ -114,191 +165,183 @@ impl Planner {
     }
 
     fn add_file(&mut self, file: &ScenarioFile, overrides: &[(String, toml::Value)]) {
-        let max_runs = self.max_runs.min(scenario::MAX_BATCH_RUNS);
-        match file.expansion(overrides, max_runs).and_then(|e| self.check(e)) {
-            Ok((expansion, first, kind)) => self.add_runs(expansion, &first, kind),
-            Err(diagnostics) => self.findings.extend(diagnostics),
-        }
-    }
-
-    /// Expands all runs of a file and reports all errors together; returns its first run and
-    /// traits.
-    fn check(&mut self, expansion: Expansion) -> Result<(Expansion, Option<Run>, Traits), Diagnostics> {
-        let (mut first, mut kind): (Option<Run>, Traits) = (None, Traits::default());
-        let mut warnings = Diagnostics::default();
-        let unused = expansion.check(&mut |mut run| {
-            warnings.0.append(&mut run.warnings.0);
-            kind.remote |= run.scenario.robot.backend.is_some();
-            match &first {
-                Some(first) => kind.repeated |= first.scenario.seed != run.scenario.seed,
-                None => first = Some(run),
+        let expansion = match file.expansion(overrides, self.max_runs.min(scenario::MAX_BATCH_RUNS)) {
+            Ok(expansion) => expansion,
+            Err(diagnostics) => return self.findings.extend(diagnostics),
+        };
+        let FileRuns { cells, found, runs, references, seed, remote, .. } = self.check(&expansion);
+        match cells.finish() {
+            // Errors of single runs follow from those of values.
+            Err(diagnostics) => return self.findings.extend(diagnostics),
+            Ok((warnings, unused)) => {
+                self.findings.extend(warnings);
+                // In a part, other runs may use what its runs do not.
+                if self.checks_all(&expansion) || !expansion.sweeps("contact.method") {
+                    self.findings.extend(unused);
+                }
             }
-        })?;
-        self.findings.extend(warnings);
-        self.findings.extend(unused);
-        Ok((expansion, first, kind))
+        }
+        if !self.accepts(&expansion) {
+            return;
+        }
+        for found in found {
+            self.add_finding(found);
+        }
+        let repeated = expansion.repetitions().min(expansion.runs()) > 1 || seed.is_some_and(|(_, differ)| differ);
+        self.add_runs(runs, references);
+        let first = self.total;
+        self.total += expansion.runs();
+        let (name, kind) = (expansion.file().name(), Traits { repeated, remote });
+        self.sources.push(Arc::new(Source { expansion, name, kind, first }));
     }
 
-    fn add_runs(&mut self, expansion: Expansion, first: &Option<Run>, kind: Traits) {
+    /// True if all runs of a file are checked, those of other shards too.
+    fn checks_all(&self, expansion: &Expansion) -> bool {
+        self.shard.is_none() || expansion.runs() <= MAX_CHECKED_BY_ALL
+    }
+
+    /// Checks the runs of a file, and keeps those of the shard.
+    fn check<'a>(&self, expansion: &'a Expansion) -> FileRuns<'a> {
+        let mut file = FileRuns::new(expansion, self.sources.len() as u32);
+        let name = file.name.clone();
+        let count = expansion.runs();
+        let mut numbers: Box<dyn Iterator<Item = usize>> = match self.shard {
+            Some(shard) if !self.checks_all(expansion) => Box::new(shard.numbers(&name, count)),
+            _ => Box::new(0..count),
+        };
+        let check = RunCheck { expansion, robots: &self.robots, time_limit: self.time_limit };
+        let size = (count / CHUNKS).clamp(1, CHUNK);
+        loop {
+            let some: Vec<u32> = numbers.by_ref().take(size * CHUNKS).map(|number| number as u32).collect();
+            if some.is_empty() {
+                break;
+            }
+            // A single chunk needs no other thread.
+            let checked: Vec<CheckedRuns> = match some.len() > size {
+                true => some.par_chunks(size).map(|chunk| check.check(chunk)).collect(),
+                false => vec![check.check(&some)],
+            };
+            for runs in checked {
+                let kept = |run: &CheckedRun| self.shard.is_none_or(|shard| shard.contains(&name, run.number));
+                file.add(runs, kept, self.findings.errors());
+            }
+            if file.cells.is_full() {
+                break;
+            }
+        }
+        file
+    }
+
+    /// False, with an error, if a file conflicts with other files or the limits.
+    fn accepts(&mut self, expansion: &Expansion) -> bool {
         let file = expansion.file();
         let name = file.name();
-        if let Some(other) = self.names.insert(name.clone(), file.path.clone()) {
+        let total = self.total + expansion.runs();
+        let refused = if let Some(other) = self.names.insert(name.clone(), file.path.clone()) {
             let (a, b) = (other.display(), file.path.display());
             let message = format!("{a} and {b} are both scenario `{name}`: their results would share one folder");
-            let help = "rename one of them, or run each with an --output of its own";
-            return self.refuse_file(file, message, help);
-        }
-        if BATCH_FILES.contains(&name.as_str()) {
+            (message, "rename one of them, or run each with an --output of its own")
+        } else if BATCH_FILES.contains(&name.as_str()) {
             let message = format!("`{name}` is a file of the results and cannot be the name of a folder");
-            return self.refuse_file(file, message, "rename the scenario");
-        }
-        let total = self.runs.len() + expansion.runs();
-        if total > self.max_runs {
+            (message, "rename the scenario")
+        } else if total > self.max_runs {
             let message = format!("with this file the batch has {total} runs, {} are allowed", self.max_runs);
-            return self.refuse_file(file, message, "`--max-runs` raises the limit");
-        }
-        if let Some(run) = first
+            (message, "`--max-runs` raises the limit")
+        } else if let Some(run) = expansion.run(0).filter(|_| expansion.sweeps("integrator"))
             && run.parameters.iter().any(|(name, _)| name == "integrator")
         {
             let help = Some("sweep `integrator.method`".into());
             let message = "`integrator` as a whole cannot be swept: the summary has a column of that name";
             let error = run.error_at("integrator", message, help);
-            return self.findings.push(Finding::Scenario(Box::new(error)));
+            self.findings.push(Finding::Scenario(Box::new(error)));
+            return false;
+        } else {
+            return true;
+        };
+        let wrong = Diagnostic::whole_file(file.path.display().to_string(), refused.0);
+        self.findings.push(Finding::Scenario(Box::new(wrong.with_help(refused.1))));
+        false
+    }
+
+    fn add_finding(&mut self, found: RunFinding) {
+        match found {
+            RunFinding::Finding(finding) => self.findings.push(finding),
+            RunFinding::OfFile(identity, findings) => {
+                if self.reported.insert(identity) {
+                    findings.into_iter().for_each(|finding| self.findings.push(finding));
+                }
+            }
+            RunFinding::Used(name, hash) => _ = self.used.insert(name, hash),
+        }
+    }
+
+    /// Adds the runs of a file with their references.
+    fn add_runs(&mut self, mut runs: Vec<Ticket>, references: References) {
+        let positions: Vec<u32> =
+            references.tickets.into_iter().map(|ticket| self.references.position(ticket)).collect();
+        for run in runs.iter_mut().filter(|run| run.reference != NONE) {
+            run.reference = positions[run.reference as usize];
+        }
+        // A large file is mostly the only one.
+        if self.runs.is_empty() {
+            self.runs = runs;
+        } else {
+            self.runs.append(&mut runs);
+        }
+    }
+}
+
+impl<'a> FileRuns<'a> {
+    fn new(expansion: &'a Expansion, source: u32) -> Self {
+        FileRuns {
+            expansion,
+            name: expansion.file().name(),
+            cells: ExpansionCheck::new(expansion),
+            found: Vec::new(),
+            runs: Vec::new(),
+            references: References::default(),
+            source,
+            combinations: HashMap::new(),
+            seed: None,
+            remote: false,
+            errors: Findings::default(),
+        }
+    }
+
+    /// Adds the runs that follow. `earlier` is the number of errors of earlier files.
+    fn add(&mut self, checked: CheckedRuns, kept: impl Fn(&CheckedRun) -> bool, earlier: usize) {
+        self.cells.add(checked.cells);
+        self.remote |= checked.remote;
+        if let Some((seed, differ)) = checked.seeds {
+            let (first, differed) = self.seed.unwrap_or((seed, false));
+            self.seed = Some((first, differed || differ || seed != first));
         }
         // Keys name folders of the results.
-        let mut known_keys = HashMap::new();
-        for number in 0..expansion.runs() {
-            if self.findings.errors() >= MAX_ERRORS {
-                return;
+        let twins = checked.combinations.into_iter().filter_map(|(key, number)| {
+            let other = *self.combinations.entry(key).or_insert(number);
+            (other != number).then_some((other, number))
+        });
+        let file = self.expansion.file().path.display();
+        let same =
+            |(a, b): (usize, usize)| Finding::Plan(format!("runs {} and {} of {file} are the same", a + 1, b + 1));
+        let twins: Vec<_> = twins.take(MAX_ERRORS).map(same).map(RunFinding::Finding).collect();
+        for found in checked.found.into_iter().chain(twins) {
+            if earlier + self.errors.errors() >= MAX_ERRORS {
+                break;
             }
-            // `check` expanded it without an error.
-            if let Some(run) = expansion.run(number) {
-                self.add_run(run, &mut known_keys);
-            }
+            let findings = match &found {
+                RunFinding::Finding(finding) => std::slice::from_ref(finding),
+                RunFinding::OfFile(_, findings) => findings.as_slice(),
+                RunFinding::Used(..) => &[],
+            };
+            findings.iter().for_each(|finding| self.errors.push(finding.clone()));
+            self.found.push(found);
         }
-        self.sources.push(Arc::new(Source { expansion, name, kind }));
-    }
-
-    /// Reports a conflict of a valid scenario with other files or the limits.
-    fn refuse_file(&mut self, file: &ScenarioFile, message: String, help: &str) {
-        let wrong = Diagnostic::whole_file(file.path.display().to_string(), message);
-        self.findings.push(Finding::Scenario(Box::new(wrong.with_help(help))));
-    }
-
-    fn add_run(&mut self, mut run: Run, known_keys: &mut HashMap<u64, usize>) {
-        self.warn_of_links(&run);
-        let Some(robot) = self.robot(&run) else { return };
-        let Some(shape) = self.build(&run, &robot) else { return };
-        let Some(key) = self.key(&run, &robot) else { return };
-        let reference = match run.reference.take() {
-            Some(reference) => {
-                let Some(index) = self.add_reference(&run, *reference, shape) else { return };
-                index
-            }
-            None => NONE,
-        };
-        if let Some(twin) = known_keys.insert(key, run.index) {
-            let message = format!("runs {} and {} of {} are the same", twin + 1, run.index + 1, run.file.display());
-            return self.findings.push(Finding::Plan(message));
-        }
-        let repetitions = run.scenario.compare.as_ref().and_then(|c| c.timing_repeats).unwrap_or(0);
-        self.runs.push(Ticket { repetitions, ..self.ticket(key, &run, reference) });
-    }
-
-    /// Ticket for a run of the current file.
-    fn ticket(&self, key: u64, run: &Run, reference: u32) -> Ticket {
-        Ticket { key, source: self.sources.len() as u32, number: run.index as u32, reference, repetitions: 0 }
-    }
-
-    /// Position of a run's reference, added unless another run has it already.
-    fn add_reference(&mut self, of: &Run, run: Run, shape: Shape) -> Option<u32> {
-        let robot = self.robot(&run)?;
-        let key = self.key(&run, &robot)?;
-        let (index, other) = match self.known.get(&key) {
-            Some(known) => *known,
-            None => {
-                let known = (self.references.len() as u32, self.build(&run, &robot)?);
-                self.known.insert(key, known);
-                self.references.push(self.ticket(key, of, NONE));
-                known
-            }
-        };
-        if other != shape {
-            let message = format!(
-                "the reference's robot has {} joints and {} soles, the run's {} and {}: they cannot be compared",
-                other.0, other.1, shape.0, shape.1
-            );
-            let error = of.error_at("compare.reference", message, None);
-            self.findings.push(Finding::Scenario(Box::new(error)));
-            return None;
-        }
-        Some(index)
-    }
-
-    /// Builds a run's setup to check it.
-    fn build(&mut self, run: &Run, robot: &Robot) -> Option<Shape> {
-        match time_limited(self.time_limit, || setup(run, robot)) {
-            Ok(setup) => {
-                if let Some(warning) = log_size::warning(run, &setup) {
-                    self.findings.push(Finding::Scenario(Box::new(warning)));
-                }
-                Some((setup.model.nj(), setup.model.soles.len()))
-            }
-            Err(errors) => {
-                self.findings.extend(errors);
-                None
-            }
-        }
-    }
-
-    fn key(&mut self, run: &Run, robot: &Robot) -> Option<u64> {
-        let key = run_key::of(run, robot)
-            .map_err(|e| format!("the scenario cannot be written out: {e}"))
-            .and_then(|key| u64::from_str_radix(&key, 16).map_err(|e| format!("its key {key} is not a hash: {e}")));
-        key.map_err(|message| self.findings.push(Finding::Plan(format!("{}: {message}", run.file.display())))).ok()
-    }
-
-    /// Warns about symbolic links that redirect the files a run names.
-    fn warn_of_links(&mut self, run: &Run) {
-        let home = run.file.parent().unwrap_or(Path::new(""));
-        let robot = ("robot.model", run.resolve(&run.scenario.robot.model));
-        let inputs = run.inputs.iter().map(|input| (input.key.as_str(), input.path.clone()));
-        for (key, path) in std::iter::once(robot).chain(inputs) {
-            if !self.link_checked.insert(path.clone()) {
-                continue;
-            }
-            if let Some(real) = input::outside_target(home, &path) {
-                let message = format!("a symbolic link leads elsewhere: {} is {}", path.display(), real.display());
-                let mut warning = run.error_at(key, message, None);
-                warning.severity = Severity::Warning;
-                self.findings.push(Finding::Scenario(Box::new(warning)));
-            }
-        }
-    }
-
-    fn robot(&mut self, run: &Run) -> Option<Arc<Robot>> {
-        let path = run.resolve(&run.scenario.robot.model);
-        let (robot, new) = self.robots.get(&path, &run.scenario.robot);
-        match robot {
-            Ok(robot) => {
-                if new {
-                    robot.notices.iter().for_each(|n| self.findings.push(Finding::Notice(n.clone())));
-                }
-                Some(robot)
-            }
-            // The scenario names an unreadable file, so the error points into the scenario.
-            Err(error @ RobotError::Read { .. }) => {
-                let error = run.error_at("robot.model", error.to_string(), None);
-                self.findings.push(Finding::Scenario(Box::new(error)));
-                None
-            }
-            Err(error) => {
-                if new {
-                    let named_at = run.error_at("robot.model", "", None).location();
-                    self.findings.push(Finding::Robot { error: Box::new(error), named_at });
-                }
-                None
-            }
+        for run in checked.runs.into_iter().filter(kept) {
+            let (source, number) = (self.source, run.number as u32);
+            let ticket = |key, reference, repetitions| Ticket { key, source, number, reference, repetitions };
+            let reference = run.reference.map_or(NONE, |key| self.references.position(ticket(key, NONE, 0)));
+            self.runs.push(ticket(run.key, reference, run.timing));
         }
     }
 }

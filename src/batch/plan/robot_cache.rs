@@ -14,16 +14,14 @@ pub(in crate::batch) struct Robots {
 }
 
 impl Robots {
-    /// The robot at a path under the scenario's inertia policy, and whether this call loaded it.
-    pub fn get(&mut self, path: &Path, spec: &RobotSpec) -> (Result<Arc<Robot>, RobotError>, bool) {
+    /// The robot at a path under the scenario's inertia policy.
+    pub fn get(&mut self, path: &Path, spec: &RobotSpec) -> Result<Arc<Robot>, RobotError> {
         // Different paths of one file share a robot; the loader reports a missing file.
         let policy = spec.inertia.map(|inertia| match inertia {
             InertiaSpec::Refuse => InertiaPolicy::Refuse,
             InertiaSpec::Repair => InertiaPolicy::Repair,
         });
         let identity = (path.canonicalize().unwrap_or_else(|_| path.to_owned()), policy);
-        let new = !self.loaded.contains_key(&identity);
-        let entry = self.loaded.entry(identity).or_insert_with(|| robot::load_with(path, policy).map(Arc::new));
-        (entry.clone(), new)
+        self.loaded.entry(identity).or_insert_with(|| robot::load_with(path, policy).map(Arc::new)).clone()
     }
 }

@@ -1,23 +1,145 @@
 //! Computes run keys: equal for equal runs, wherever their files are.
+//!
+//! A key hashes the resolved scenario (seed included), the bytes of the robot's files in reading
+//! order, the bytes of files that the scenario names, and the program version. The robot's path and
+//! repetitions for timing are excluded.
+//!
+//! Repetitions differ in the digits of their seed alone, so their scenario is written once.
+
+use std::sync::Arc;
 
 use crate::robot::Robot;
-use crate::scenario::{CompareSpec, Run, Scenario, key};
+use crate::scenario::{CompareSpec, Input, KeyHasher, Run, Scenario};
 
-/// Hashes the resolved scenario (seed included), the bytes of the robot's files in reading order,
-/// the bytes of files that the scenario names, and the program version. The robot's path and
-/// repetitions for timing are excluded.
-///
-/// # Errors
-/// The scenario cannot be written as TOML.
-pub(in crate::batch) fn of(run: &Run, robot: &Robot) -> Result<String, toml::ser::Error> {
-    let mut scenario: Scenario = run.scenario.clone();
-    scenario.robot.model.clear();
-    let compare = scenario.compare.take().map(|compare| CompareSpec { timing_repeats: None, ..compare });
-    scenario.compare = compare.filter(|compare| *compare != CompareSpec::default());
-    let text = toml::to_string(&scenario)?;
-    let labels: Vec<String> = (0..robot.files.len()).map(|i| format!("robot file {i}")).collect();
-    let files = labels.iter().zip(&robot.files).map(|(label, (_, bytes))| (label.as_str(), bytes.as_slice()));
-    let own = [("scenario", text.as_bytes()), ("program", env!("CARGO_PKG_VERSION").as_bytes())];
-    let inputs = run.inputs.iter().map(|input| (input.key.as_str(), &*input.bytes));
-    Ok(key(&own.into_iter().chain(files).chain(inputs).collect::<Vec<_>>()))
+/// Label of the resolved scenario among the hashed inputs.
+const SCENARIO: &str = "scenario";
+
+/// Two seeds of equal length without a common digit.
+const MARKERS: [u64; 2] = [1_111_111_111_111_111_111, 2_222_222_222_222_222_222];
+
+/// Keys of runs that differ in their seeds alone.
+pub(super) struct RunKeys {
+    scenario: Scenario,
+    /// The text of the scenario before and after its seed; none if it is written for each run.
+    parts: Option<[String; 2]>,
+    files: Arc<HashedFiles>,
+}
+
+/// Hashes of the files of a run.
+struct HashedFiles {
+    robot: Arc<Robot>,
+    inputs: Vec<Input>,
+    /// The inputs whose labels precede that of the scenario.
+    before: KeyHasher,
+    /// Labels and bytes of the others.
+    after: Vec<(String, Arc<[u8]>)>,
+}
+
+/// The files of the last run: those of the next one are mostly the same.
+#[derive(Default)]
+pub(super) struct LastFiles(Option<Arc<HashedFiles>>);
+
+impl LastFiles {
+    fn of(&mut self, run: &Run, robot: &Arc<Robot>) -> Arc<HashedFiles> {
+        match &self.0 {
+            Some(last) if last.are_those_of(run, robot) => last.clone(),
+            _ => self.0.insert(Arc::new(HashedFiles::new(run, robot))).clone(),
+        }
+    }
+}
+
+impl HashedFiles {
+    fn new(run: &Run, robot: &Arc<Robot>) -> Self {
+        let labels: Vec<String> = (0..robot.files.len()).map(|i| format!("robot file {i}")).collect();
+        let of_robot = labels.iter().zip(&robot.files).map(|(label, (_, bytes))| (label.as_str(), bytes.as_slice()));
+        let own = [("program", env!("CARGO_PKG_VERSION").as_bytes())];
+        let of_run = run.inputs.iter().map(|input| (input.key.as_str(), &*input.bytes));
+        let mut all: Vec<(&str, &[u8])> = own.into_iter().chain(of_robot).chain(of_run).collect();
+        all.sort_unstable();
+        let (first, last) = all.split_at(all.partition_point(|(label, _)| *label < SCENARIO));
+        let mut before = KeyHasher::default();
+        first.iter().for_each(|(label, bytes)| before.add(label, &[bytes]));
+        let after = last.iter().map(|(label, bytes)| ((*label).to_owned(), Arc::from(*bytes))).collect();
+        HashedFiles { robot: robot.clone(), inputs: run.inputs.clone(), before, after }
+    }
+
+    fn are_those_of(&self, run: &Run, robot: &Arc<Robot>) -> bool {
+        let same = |(a, b): (&Input, &Input)| a.key == b.key && Arc::ptr_eq(&a.bytes, &b.bytes);
+        Arc::ptr_eq(&self.robot, robot)
+            && self.inputs.len() == run.inputs.len()
+            && self.inputs.iter().zip(&run.inputs).all(same)
+    }
+}
+
+impl RunKeys {
+    /// Keys of a run and, if there are several, of its repetitions.
+    ///
+    /// # Errors
+    /// The scenario cannot be written as TOML.
+    pub fn new(
+        run: &Run,
+        robot: &Arc<Robot>,
+        repetitions: usize,
+        last: &mut LastFiles,
+    ) -> Result<Self, toml::ser::Error> {
+        let mut scenario: Scenario = run.scenario.clone();
+        scenario.robot.model.clear();
+        let compare = scenario.compare.take().map(|compare| CompareSpec { timing_repeats: None, ..compare });
+        scenario.compare = compare.filter(|compare| *compare != CompareSpec::default());
+        let parts = if repetitions > 2 { split(&scenario)? } else { None };
+        Ok(RunKeys { scenario, parts, files: last.of(run, robot) })
+    }
+
+    /// The key of the run with this seed.
+    ///
+    /// # Errors
+    /// The scenario cannot be written as TOML.
+    pub fn key(&mut self, seed: u64) -> Result<u64, toml::ser::Error> {
+        let mut hasher = self.files.before.clone();
+        match &self.parts {
+            Some([before, after]) => {
+                hasher.add(SCENARIO, &[before.as_bytes(), seed.to_string().as_bytes(), after.as_bytes()]);
+            }
+            None => {
+                self.scenario.seed = seed;
+                hasher.add(SCENARIO, &[toml::to_string(&self.scenario)?.as_bytes()]);
+            }
+        }
+        self.files.after.iter().for_each(|(label, bytes)| hasher.add(label, &[bytes]));
+        Ok(hasher.key())
+    }
+}
+
+/// The text of a scenario before and after its seed: what two texts with different seeds share.
+/// None if they differ elsewhere.
+fn split(scenario: &Scenario) -> Result<Option<[String; 2]>, toml::ser::Error> {
+    let mut scenario = scenario.clone();
+    let mut written = |seed: u64| {
+        scenario.seed = seed;
+        toml::to_string(&scenario)
+    };
+    let (a, b) = (written(MARKERS[0])?, written(MARKERS[1])?);
+    let Some(at) = a.bytes().zip(b.bytes()).position(|(a, b)| a != b) else { return Ok(None) };
+    let parts = |text: &str, seed: u64| {
+        let (before, rest) = text.split_at_checked(at)?;
+        Some([before.to_owned(), rest.strip_prefix(seed.to_string().as_str())?.to_owned()])
+    };
+    Ok(parts(&a, MARKERS[0]).filter(|found| parts(&b, MARKERS[1]).as_ref() == Some(found)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_is_split_at_its_seed() {
+        // A description that looks like the line of the seed.
+        let description = "seed = 1111111111111111111\nseed = 1\n".to_owned();
+        let scenario = Scenario { description, seed: 7, ..Scenario::default() };
+        let [before, after] = split(&scenario).unwrap().expect("only the seed differs");
+        for seed in [0, 7, 12_345, i64::MAX as u64] {
+            let written = toml::to_string(&Scenario { seed, ..scenario.clone() }).unwrap();
+            assert_eq!(format!("{before}{seed}{after}"), written);
+        }
+    }
 }

@@ -1,6 +1,11 @@
-//! Splits a plan into shards for several machines. A run's shard depends on its key alone: filters,
-//! order and additional scenarios do not move it.
+//! Splits a plan into shards for several machines. A run's shard depends on the name of its scenario
+//! and on its number in the sweep: filters, order and additional scenarios do not move it.
+//!
+//! Of N consecutive runs of a scenario each shard has one: the runs are dealt in turn, beginning
+//! with a shard that a hash chooses for every N runs. Shards thus have equal numbers of runs, no
+//! value of the sweep belongs to one shard, and a shard finds its runs without the others.
 
+use std::collections::BTreeMap;
 use std::num::NonZero;
 use std::str::FromStr;
 
@@ -120,10 +125,30 @@ impl Shard {
         self.of.get() == 1
     }
 
-    /// True if it contains the run with this key.
-    pub fn contains(&self, key: &str) -> bool {
-        // Keys are prefixes of hashes, so they are evenly distributed.
-        u64::from_str_radix(key, 16).is_ok_and(|hash| hash % self.of == self.number - 1)
+    /// True if it contains the run with this number, from 0, of a scenario.
+    pub fn contains(&self, scenario: &str, number: usize) -> bool {
+        let of = self.of.get();
+        self.in_round(scenario, number as u64 / of) == number as u64 % of
+    }
+
+    /// Numbers of its runs of a scenario with `runs` runs, ascending.
+    pub fn numbers(self, scenario: &str, runs: usize) -> impl Iterator<Item = usize> + use<> {
+        let (of, runs, scenario) = (self.of.get(), runs as u64, scenario.to_owned());
+        let numbers = (0..runs.div_ceil(of)).map(move |round| round * of + self.in_round(&scenario, round));
+        numbers.filter(move |number| *number < runs).map(|number| number as usize)
+    }
+
+    /// Position of its run among the `of` runs of a round.
+    fn in_round(&self, scenario: &str, round: u64) -> u64 {
+        let of = self.of.get();
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&round.to_le_bytes()).update(scenario.as_bytes());
+        let mut first = [0; 8];
+        first.copy_from_slice(&hasher.finalize().as_bytes()[..8]);
+        // The shard of the first run of the round.
+        let begin = u64::from_le_bytes(first) % of;
+        let own = self.number - 1;
+        if own >= begin { own - begin } else { of - begin + own }
     }
 }
 
@@ -147,34 +172,63 @@ impl FromStr for Shard {
     }
 }
 
-/// The shard of a reduced plan and the positions of its runs in the whole plan.
+/// The shard that a plan is.
 #[derive(Clone, Debug)]
 pub struct Part {
     pub(in crate::batch) head: ShardHead,
-    /// Positions of its runs in the whole plan.
-    pub(in crate::batch) positions: Vec<usize>,
+}
+
+impl Part {
+    /// Number of runs of all shards.
+    pub fn total(&self) -> usize {
+        self.head.runs
+    }
 }
 
 impl Plan {
-    /// Hashes scenarios and keys of its runs in order; equal for the same batch on any machine.
+    /// Hashes the names, sizes and values of its scenarios, and its filter; equal for all shards on
+    /// any machine.
     pub fn hash(&self) -> String {
         let mut hash = PlanHash::default();
-        (0..self.runs()).for_each(|index| hash.add(self.scenario(index), &self.key(index)));
+        for source in &self.sources {
+            hash.add(source.name.as_bytes());
+            hash.add(&(source.expansion.runs() as u64).to_le_bytes());
+            hash.add(source.expansion.definition());
+        }
+        if let Some(filter) = &self.filter {
+            hash.add(filter.as_bytes());
+        }
         hash.end()
+    }
+
+    /// Hashes of the files that its runs use, by their names in the scenarios.
+    pub fn used_files(&self) -> &BTreeMap<String, String> {
+        &self.used
     }
 
     /// Keeps the runs of a shard, in order, and the references they need.
     pub fn take_shard(&mut self, shard: Shard) {
-        let positions: Vec<usize> = (0..self.runs()).filter(|index| shard.contains(&self.key(*index))).collect();
-        let head = ShardHead::new(shard.number, shard.of.get(), self.runs(), self.hash());
+        let all = self.runs();
+        let is_own = |index: &usize| shard.contains(self.scenario(*index), self.runs[*index].number as usize);
+        let positions: Vec<usize> = (0..all).filter(is_own).collect();
         self.keep(&positions);
-        self.part = Some(Part { head, positions });
+        self.set_part(shard, all);
+    }
+
+    /// States that its runs are those of a shard, of `all` runs.
+    pub(super) fn set_part(&mut self, shard: Shard, all: usize) {
+        let head = ShardHead::new(shard.number, shard.of.get(), all, self.hash(), self.used.clone());
+        self.part = Some(Part { head });
     }
 
     /// Entries of the shard's run list.
     pub(in crate::batch) fn shard_runs(&self) -> impl Iterator<Item = ShardRun> {
-        let positions = self.part.iter().flat_map(|part| &part.positions).enumerate();
-        positions.map(|(i, at)| ShardRun { at: *at, scenario: self.scenario(i).to_owned(), key: self.key(i) })
+        (0..self.runs()).map(|i| ShardRun {
+            at: self.position_in_whole(i),
+            scenario: self.scenario(i).to_owned(),
+            key: self.key(i),
+            levels: self.levels(i),
+        })
     }
 }
 
@@ -198,16 +252,28 @@ mod tests {
     }
 
     #[test]
-    fn every_key_is_in_one_part_and_parts_are_about_equal() {
-        let keys: Vec<String> = (0..8000u64).map(|i| crate::scenario::key(&[("i", &i.to_le_bytes())])).collect();
-        let parts: Vec<Shard> = (1..=8).map(|i| Shard::new(i, 8).unwrap()).collect();
-        for key in &keys {
-            assert_eq!(parts.iter().filter(|part| part.contains(key)).count(), 1, "{key}");
+    fn every_run_is_in_one_part_and_parts_are_equal() {
+        for (runs, of) in [(8000, 8), (10_003, 100), (5, 8), (1, 1), (0, 3), (50, 7)] {
+            let parts: Vec<Shard> = (1..=of).map(|i| Shard::new(i, of).unwrap()).collect();
+            let mut seen = vec![0; runs];
+            for part in &parts {
+                let numbers: Vec<usize> = part.numbers("s", runs).collect();
+                let contained: Vec<usize> = (0..runs).filter(|number| part.contains("s", *number)).collect();
+                assert_eq!(numbers, contained, "{part}");
+                assert!(numbers.len().abs_diff(runs / of as usize) <= 1, "{part}: {}", numbers.len());
+                numbers.iter().for_each(|number| seen[*number] += 1);
+            }
+            assert!(seen.iter().all(|parts| *parts == 1));
         }
-        for part in parts {
-            let runs = keys.iter().filter(|key| part.contains(key)).count();
-            // Binomial: mean 1000, standard deviation 30; the keys are fixed.
-            assert!((850..1150).contains(&runs), "{part}: {runs}");
+    }
+
+    #[test]
+    fn no_value_of_a_sweep_belongs_to_one_part() {
+        // Two methods alternate, and eight parts: each part has about as many of both.
+        for part in (1..=8).map(|i| Shard::new(i, 8).unwrap()) {
+            let even = part.numbers("s", 8000).filter(|number| number % 2 == 0).count();
+            // Binomial: mean 500, standard deviation 16; the hashes are fixed.
+            assert!((420..580).contains(&even), "{part}: {even}");
         }
     }
 

@@ -6,12 +6,12 @@
 
 use crate::files::names;
 use std::collections::{HashMap, HashSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::batch::dispatch::finished_runs::Store;
 use crate::batch::resume::rerun_reason;
 use crate::batch::{Finished, Job, Options, Plan, Role};
-use crate::files::{RecordError, remove_partial};
+use crate::files::{RecordError, confined, remove_partial, run_folders};
 use crate::log::MAX_PROBLEMS;
 use crate::results::{BUILD, ParamValue, RunRecord, SummaryRow, log_mismatch};
 use crate::sim::{Outcome, Problems};
@@ -149,6 +149,7 @@ pub(in crate::batch) fn find_results(plan: &Plan, options: &Options) -> Resumed 
 
 fn state(job: &Job, plan: &Plan, options: &Options) -> State {
     let folder = job.folder(&options.output);
+    adopt_folder(job, &options.output, &folder);
     remove_partial(&folder);
     let path = folder.join(names::RUN_RECORD);
     let record = match RunRecord::read(&path) {
@@ -193,6 +194,23 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
     State::Done { finished: Box::new(finished), other_build }
 }
 
+/// Moves results to the folder of their run: they are in another one if the scenario had another
+/// number of runs, or an earlier version of the program wrote them. Where that fails, the run runs
+/// again.
+fn adopt_folder(job: &Job, results: &Path, folder: &Path) {
+    if folder.join(names::RUN_RECORD).exists() || confined::check(results, folder).is_err() {
+        return;
+    }
+    let is_usable = |other: &PathBuf| other.join(names::RUN_RECORD).exists() && confined::check(results, other).is_ok();
+    let Some(other) = job.other_folders(results).find(is_usable) else { return };
+    // Without a record, what is there is worthless.
+    let _ = std::fs::remove_dir_all(folder);
+    if let Some(above) = folder.parent() {
+        let _ = std::fs::create_dir_all(above);
+    }
+    let _ = std::fs::rename(&other, folder);
+}
+
 /// True if a repetition would end in the same way.
 fn repeats(row: &SummaryRow) -> bool {
     !matches!(row.outcome, Outcome::TimedOut | Outcome::Error | Outcome::Cancelled) || !row.is_refused()
@@ -211,20 +229,20 @@ fn has_problems(row: &SummaryRow, folder: &Path, requested: Problems) -> bool {
 /// Records of a scenario whose keys belong to no run of the plan.
 struct Earlier {
     /// Folder of the latest record, by swept values and seed.
-    with_seed: HashMap<String, String>,
+    with_seed: HashMap<String, PathBuf>,
     /// Folder and seed by swept values alone; none where several seeds exist.
-    without_seed: HashMap<String, Option<(String, u64)>>,
-    folder: std::path::PathBuf,
+    without_seed: HashMap<String, Option<(PathBuf, u64)>>,
+    folder: PathBuf,
 }
 
 impl Earlier {
     fn of(results: &Path, scenario: &str, keys: &HashSet<String>) -> Self {
         let folder = results.join(scenario);
         let mut earlier = Earlier { with_seed: HashMap::new(), without_seed: HashMap::new(), folder };
-        let Ok(entries) = std::fs::read_dir(&earlier.folder) else { return earlier };
-        let names = entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned());
-        let written = |name: &String| earlier.folder.join(name).join(names::RUN_RECORD).metadata()?.modified();
-        let names = names.filter(|name| !keys.contains(name));
+        let names = run_folders(&earlier.folder).into_iter();
+        let written = |name: &PathBuf| earlier.folder.join(name).join(names::RUN_RECORD).metadata()?.modified();
+        let is_planned = |name: &PathBuf| name.file_name().is_some_and(|key| keys.contains(&*key.to_string_lossy()));
+        let names = names.filter(|name| !is_planned(name));
         let mut names: Vec<_> = names.filter_map(|name| Some((written(&name).ok()?, name))).collect();
         names.sort();
         for (_, name) in names {

@@ -1,6 +1,6 @@
 //! Executes one job and writes its record.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::batch::plan::input_hashes::input_hashes;
 use crate::batch::run::awaited_reference::AwaitedReference;
@@ -29,6 +29,12 @@ pub(in crate::batch) fn run(
     let confined = confined::check(&options.output, &folder);
     if confined.is_ok() {
         clear(&folder);
+        let is_present = |other: &PathBuf| other.exists() && confined::check(&options.output, other).is_ok();
+        for other in job.other_folders(&options.output).filter(is_present) {
+            clear(&other);
+            // It may have other files.
+            let _ = std::fs::remove_dir(&other);
+        }
     }
     let outputs = outputs(job, options, &folder, against);
     let clock = Clock::start();

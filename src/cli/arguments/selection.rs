@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueHint};
-use stiction::batch::{self, DiagnosticMessage, Filter, Finding, Findings, Message, Plan, Severity, Shard, ShardError};
+use stiction::batch::{
+    self, DiagnosticMessage, Filter, Finding, Findings, Message, Part, Plan, Severity, Shard, ShardError,
+};
 use stiction::scenario::{DEFAULT_MAX_RUNS, Diagnostic, OverrideError, parse_override};
 
 use crate::cli::arguments::message_format::MessageFormat;
@@ -90,10 +92,10 @@ impl Scenarios {
 
     /// Like [`Scenarios::prepare`], with a wall-clock limit for the scripts of each run.
     pub fn prepare_within(&self, notes: usize, format: MessageFormat, time_limit: Duration) -> Result<Plan, Exit> {
-        let mut plan = self.selection.prepare_within(notes, format, time_limit)?;
+        let shard = self.shard.map(|argument| argument.shard);
+        let plan = self.selection.prepare_within(notes, format, time_limit, shard)?;
         if let Some(ShardArgument { shard, by_array }) = self.shard {
-            let all = plan.runs();
-            plan.take_shard(shard);
+            let all = plan.part.as_ref().map_or(plan.runs(), Part::total);
             terminal::complain(&format!("shard {shard}: {} of {all}", terminal::plural(plan.runs(), "run")));
             if by_array && shard.is_whole() {
                 terminal::complain(
@@ -119,10 +121,16 @@ pub fn only(plan: &Plan) -> Result<(), Exit> {
 impl Selection {
     /// Like [`Scenarios::prepare`], for all shards.
     pub fn prepare(&self, notes: usize, format: MessageFormat) -> Result<Plan, Exit> {
-        self.prepare_within(notes, format, batch::DEFAULT_TIME_LIMIT)
+        self.prepare_within(notes, format, batch::DEFAULT_TIME_LIMIT, None)
     }
 
-    fn prepare_within(&self, notes: usize, format: MessageFormat, time_limit: Duration) -> Result<Plan, Exit> {
+    fn prepare_within(
+        &self,
+        notes: usize,
+        format: MessageFormat,
+        time_limit: Duration,
+        shard: Option<Shard>,
+    ) -> Result<Plan, Exit> {
         let report = |findings: &Findings| {
             terminal::show(findings, Severity::Note, notes);
             format.emit_findings(findings)
@@ -149,7 +157,10 @@ impl Selection {
             }
         };
         let overrides: Vec<_> = self.overrides.iter().map(|o| o.value.clone()).collect();
-        let (mut plan, findings) = match batch::prepare_within(&files, &overrides, self.max_runs.get(), time_limit) {
+        // A filter is judged by all runs.
+        let planned = shard.filter(|_| filter.is_none());
+        let prepared = batch::prepare_within(&files, &overrides, self.max_runs.get(), time_limit, planned);
+        let (mut plan, findings) = match prepared {
             Ok(prepared) => prepared,
             Err(findings) => {
                 report(&findings)?;
@@ -163,7 +174,7 @@ impl Selection {
             format.emit(Message::Diagnostic((&wrong).into()))?;
             return Err(Exit::Invalid);
         }
-        if plan.runs() == 0 {
+        if plan.part.as_ref().map_or(plan.runs(), Part::total) == 0 {
             return Err(nothing("the scenarios expand to no runs".into()));
         }
         if let Some(filter) = &filter {
@@ -172,6 +183,9 @@ impl Selection {
             if plan.runs() == 0 {
                 return Err(nothing(format!("the filter holds for none of {}", terminal::plural(all, "run"))));
             }
+        }
+        if let Some(shard) = shard.filter(|_| plan.part.is_none()) {
+            plan.take_shard(shard);
         }
         Ok(plan)
     }

@@ -94,6 +94,7 @@ impl Submit {
             parts: self.parts,
             runs: plan.runs(),
             plan: plan.hash(),
+            files: plan.used_files().clone(),
         };
         // Freed, as a plan may be large and waiting may take long.
         drop(plan);

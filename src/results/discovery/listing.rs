@@ -8,6 +8,7 @@ use crate::results::{BoundedSample, Rows, RunRecord, RunStatistics, SummaryRow};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Paths of the records below a folder, in the order of [`Records`](crate::results::Records).
 #[derive(Debug)]
@@ -22,6 +23,7 @@ pub struct Listing {
 #[derive(Debug)]
 struct ListedRun {
     record: Box<Path>,
+    scenario: Arc<str>,
     key: Box<str>,
 }
 
@@ -42,6 +44,7 @@ pub struct SampledRuns {
 pub fn list_records(folder: &Path) -> Result<Listing, RecordError> {
     let order = summary_order(&folder.join(names::SUMMARY_CSV));
     let (mut runs, mut references, mut needed) = (Vec::new(), Vec::new(), HashMap::new());
+    let mut scenarios: BTreeSet<Arc<str>> = BTreeSet::new();
     let skipped = for_each_record(folder, &mut |is_reference, path, record| {
         if is_reference {
             references.push(FoundRun::without_inputs(path, record));
@@ -52,7 +55,12 @@ pub fn list_records(folder: &Path) -> Result<Listing, RecordError> {
             let next = needed.len();
             *needed.entry(key).or_insert(next)
         });
-        let run = ListedRun { record: path.into_boxed_path(), key: record.key.into_boxed_str() };
+        let scenario = scenarios.get(record.scenario.as_str()).cloned().unwrap_or_else(|| {
+            let new: Arc<str> = record.scenario.as_str().into();
+            scenarios.insert(new.clone());
+            new
+        });
+        let run = ListedRun { record: path.into_boxed_path(), scenario, key: record.key.into_boxed_str() };
         runs.push((sort_key, reference, run));
     })?;
     runs.sort_by(|a, b| a.0.cmp(&b.0));
@@ -79,10 +87,9 @@ impl Listing {
         all.filter(move |(_, run)| run.key.starts_with(prefix)).map(|(position, _)| position)
     }
 
-    /// The scenario of the run at a position, from the name of its folder; may be empty.
-    pub fn scenario(&self, position: usize) -> String {
-        let folder = self.runs[position].record.ancestors().nth(2).and_then(Path::file_name);
-        folder.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+    /// The scenario of the run at a position.
+    pub fn scenario(&self, position: usize) -> &str {
+        &self.runs[position].scenario
     }
 
     /// Key of the run at a position, and its log if there is one.

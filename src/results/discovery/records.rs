@@ -1,7 +1,7 @@
 //! Reads the records below a folder of results.
 
 use super::run_order::{Digest, SortKey, digest, summary_order};
-use crate::files::{RecordError, names};
+use crate::files::{KeyLevels, RecordError, names};
 use crate::results::RunRecord;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -96,10 +96,15 @@ pub(super) fn for_each_record(
     Ok(skipped)
 }
 
-/// Reference runs are in `SCENARIO/references/KEY`, other runs in `SCENARIO/KEY`.
+/// Reference runs are in `SCENARIO/references/KEY`, other runs in `SCENARIO/KEY`; there may be
+/// folders above `KEY`.
 fn is_reference(path: &Path, record: &RunRecord) -> bool {
-    let folder = |level: usize| path.ancestors().nth(level).and_then(Path::file_name);
-    folder(2).is_some_and(|name| name == names::REFERENCES) && folder(3).is_some_and(|name| *name == *record.scenario)
+    let references = Path::new(&record.scenario).join(names::REFERENCES);
+    KeyLevels::all().zip(path.ancestors().skip(1)).any(|(levels, folder)| {
+        let own = levels.folder(&record.key);
+        let is_key = levels.is_none() || path.parent().is_some_and(|path| path.ends_with(own));
+        is_key && folder.parent().is_some_and(|above| above.ends_with(&references))
+    })
 }
 
 /// The `run.json` of a folder, and its subfolders by name.

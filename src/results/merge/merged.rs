@@ -58,6 +58,10 @@ impl Shards {
         self.for_each_run(&mut |holders| {
             let to = holders[0].run.folder(output);
             confined::check(output, &to)?;
+            for other in holders[0].run.other_folders(output).filter(|other| other.exists()) {
+                confined::check(output, &other)?;
+                std::fs::remove_dir_all(&other).map_err(RecordError::io(&other))?;
+            }
             let Some(holder) =
                 holders.iter().find(|h| h.record().is_file() && !missing.broken.contains(&(h.shard, h.run.at)))
             else {

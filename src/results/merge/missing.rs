@@ -7,6 +7,7 @@ use crate::results::merge::plan_walk::Holder;
 use crate::results::merge::references::References;
 use crate::results::merge::shard_check::ShardCheck;
 use crate::results::merge::shards::Shards;
+use crate::results::merge::twins::Twins;
 use std::collections::BTreeSet;
 
 /// Missing parts of the results.
@@ -24,14 +25,14 @@ impl Shards {
     /// is missing.
     ///
     /// # Errors
-    /// A run differs between shards; lists contradict each other or cannot be read.
+    /// A run differs between shards; two runs of the plan are the same; lists contradict each other
+    /// or cannot be read.
     pub fn check(&self) -> Result<Missing, MergeError> {
         let (mut check, mut references) = (ShardCheck::new(self.folders.len()), References::default());
-        let (mut next, mut gaps) = (0, 0);
+        let mut twins = Twins::default();
         self.for_each_run(&mut |holders: &[Holder]| {
             let run = &holders[0].run;
-            gaps += run.at - next;
-            next = run.at.saturating_add(1);
+            twins.add(run);
             if let Some(other) = holders.iter().find(|h| h.run != *run) {
                 return Err(self.contradiction(holders[0].shard, other.shard));
             }
@@ -40,7 +41,11 @@ impl Shards {
             }
             Ok(())
         })?;
-        gaps += self.runs().saturating_sub(next);
+        let listed = twins.runs();
+        if let Some(twins) = twins.find(self)? {
+            return Err(MergeError::Runs(vec![twins]));
+        }
+        let gaps = self.runs().saturating_sub(listed);
         let mut lines = self.missing_shards();
         if gaps > 0 && lines.is_empty() {
             return Err(MergeError::Runs(vec![format!(

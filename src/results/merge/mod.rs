@@ -2,8 +2,8 @@
 //!
 //! The `shard.jsonl` of each shard lists its runs with their indices in the plan. All checks come
 //! before any write: the shards belong to one plan, none is missing, every run has its record, and
-//! copies of one run are equal. Lists and records are read one by one, so memory does not grow with
-//! the number of runs.
+//! copies of one run are equal. Lists and records are read one by one, so memory grows by 8 bytes per
+//! run.
 //!
 //! Imports `results::{record, summary, discovery}` and `files`. `runner merge` calls it.
 
@@ -17,6 +17,7 @@ mod record_difference;
 mod references;
 mod shard_check;
 mod shards;
+mod twins;
 
 pub use merge_error::MergeError;
 pub use merged::Merged;

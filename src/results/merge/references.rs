@@ -1,6 +1,6 @@
 //! Reference runs of the plan: each once, from the shard of the first run that needs it.
 
-use crate::files::names;
+use crate::files::{KeyLevels, names};
 use crate::results::RunRecord;
 use crate::results::merge::merge_error::{MAX_NAMED, MergeError};
 use crate::results::merge::plan_walk::Holder;
@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 pub(super) struct NeededReference {
     pub shard: usize,
     scenario: String,
+    levels: KeyLevels,
     key: String,
     is_whole: bool,
 }
@@ -21,12 +22,12 @@ pub(super) struct NeededReference {
 impl NeededReference {
     /// Its folder, relative to the folder of results.
     pub fn folder(&self) -> PathBuf {
-        reference_folder(&self.scenario, &self.key)
+        reference_folder(&self.scenario, self.levels, &self.key)
     }
 }
 
-fn reference_folder(scenario: &str, key: &str) -> PathBuf {
-    Path::new(scenario).join(names::REFERENCES).join(key)
+fn reference_folder(scenario: &str, levels: KeyLevels, key: &str) -> PathBuf {
+    Path::new(scenario).join(names::REFERENCES).join(levels.folder(key))
 }
 
 /// Reference runs found so far, in the order in which the runs first need them.
@@ -43,29 +44,32 @@ impl References {
     /// run that needs it.
     pub fn add(&mut self, shards: &Shards, holder: &Holder, record: &RunRecord) {
         let Some(key) = &record.comparison.reference else { return };
-        let read = |shard: usize, scenario: &str| {
-            let path = shards.folders[shard].join(reference_folder(scenario, key)).join(names::RUN_RECORD);
+        let read = |shard: usize, scenario: &str, levels: KeyLevels| {
+            let path = shards.folders[shard].join(reference_folder(scenario, levels, key)).join(names::RUN_RECORD);
             RunRecord::read(&path).ok().filter(|record| record.key == *key)
         };
         let Some(&position) = self.positions.get(key) else {
-            let (shard, scenario) = (holder.shard, holder.run.scenario.clone());
-            let is_whole = read(shard, &scenario).is_some();
+            let (shard, scenario, levels) = (holder.shard, holder.run.scenario.clone(), holder.run.levels);
+            let is_whole = read(shard, &scenario, levels).is_some();
             self.positions.insert(key.clone(), self.needed.len());
             self.checked.insert((shard, self.needed.len()));
-            self.needed.push(NeededReference { shard, scenario, key: key.clone(), is_whole });
+            self.needed.push(NeededReference { shard, scenario, levels, key: key.clone(), is_whole });
             return;
         };
         if !self.checked.insert((holder.shard, position)) {
             return;
         }
         let first = &self.needed[position];
-        let values = |shard, scenario: &str| {
-            read(shard, scenario).map(|mut record| {
+        let values = |shard, scenario: &str, levels| {
+            read(shard, scenario, levels).map(|mut record| {
                 record.scenario.clear();
                 comparable(&record)
             })
         };
-        let pair = (values(first.shard, &first.scenario), values(holder.shard, &holder.run.scenario));
+        let pair = (
+            values(first.shard, &first.scenario, first.levels),
+            values(holder.shard, &holder.run.scenario, holder.run.levels),
+        );
         if let (Some(a), Some(b)) = pair
             && let Some(what) = first_difference("", &a, &b)
         {

@@ -45,7 +45,24 @@ impl Shards {
             };
             return Err(MergeError::OtherPlan { a: shards.folders[0].clone(), b: folder.clone(), what });
         }
+        shards.check_files()?;
         Ok(shards)
+    }
+
+    /// Checks that shards which use the same file found the same bytes.
+    fn check_files(&self) -> Result<(), MergeError> {
+        let mut known: BTreeMap<&str, (&str, usize)> = BTreeMap::new();
+        for (shard, head) in self.heads.iter().enumerate() {
+            for (name, hash) in &head.files {
+                let (first, other) = *known.entry(name).or_insert((hash, shard));
+                if first != hash {
+                    let what = format!("a file differs: {name}");
+                    let [a, b] = [other, shard].map(|shard| self.folders[shard].clone());
+                    return Err(MergeError::OtherPlan { a, b, what });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Number of runs of the whole plan.

@@ -4,7 +4,7 @@ use crate::results::is_truth;
 use crate::results::pareto::{Group, Work, error_columns, front_as_shown, groups};
 use crate::results::table::clip;
 use crate::results::verdict_table::brief_parameters;
-use crate::text::text_table::{Alignment, TextTable};
+use crate::text::text_table::{Alignment, TextTable, limited};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -23,7 +23,7 @@ pub fn pareto_table(works: &[Work], width: usize) -> String {
     let groups: Vec<Group> = groups(works).into_iter().filter(measured).collect();
     for group in groups.iter().take(MAX_GROUPS) {
         // A String takes every write.
-        let _ = writeln!(out, "{}", group.name());
+        let _ = writeln!(out, "{}", limited(group.name()));
         out += &block(works, group, width);
         out.push('\n');
     }

@@ -125,7 +125,7 @@ pub enum JointLimits {
 }
 
 /// Treatment of inertias that no body can have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum InertiaSpec {
     /// The robot is refused with the name of the link.

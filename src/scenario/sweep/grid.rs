@@ -85,6 +85,11 @@ impl Grid {
         self.cells() * self.repeat as usize
     }
 
+    /// True if a swept key is, contains or is part of the value at this path.
+    pub fn overlaps(&self, path: &KeyPath) -> bool {
+        self.dimensions.iter().flat_map(|dimension| &dimension.keys).any(|key| key.path.overlaps(path))
+    }
+
     /// One combination, the last dimension changing fastest.
     pub fn cell(&self, mut number: usize) -> Cell<'_> {
         let mut keys = Vec::new();

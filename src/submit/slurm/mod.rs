@@ -133,6 +133,7 @@ impl<'a> Submission<'a> {
             parts: self.sweep.parts.get(),
             runs: self.sweep.runs,
             plan: self.sweep.plan.clone(),
+            files: self.sweep.files.clone(),
             command: batch_scripts::command(self.sweep),
             array,
             merge: None,
