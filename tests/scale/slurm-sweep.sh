@@ -4,7 +4,7 @@
 #
 #     tests/scale/slurm-sweep.sh RUNNER DIR       DIR must be new
 #
-# 1. The 200 runs of thrown.toml in 8 parts. 8 runs fail on purpose, so the exit code must be 1.
+# 1. The 200 runs of thrown.toml in 8 parts. 9 runs fail on purpose, so the exit code must be 1.
 # 2. Folders whose names contain special characters of shells and Slurm.
 # 3. 80 runs of HOAP-2 in 2 parts. One part is cancelled while it runs; a second submission completes
 #    it.
