@@ -17,6 +17,7 @@ mod many;
 mod messages;
 mod names;
 mod pages;
+mod repetitions;
 mod replaced;
 mod report;
 mod results;
