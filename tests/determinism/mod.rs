@@ -7,6 +7,7 @@
 //! order of sums or of events irrelevant.
 
 mod golden_hashes;
+mod log_rates;
 mod merge_faults;
 mod shards;
 

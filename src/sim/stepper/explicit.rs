@@ -10,6 +10,7 @@ use super::method_pair::MethodPair;
 use super::sliding_mode::SlidingMode;
 use super::step_size::StepSize;
 use crate::contact::hybrid::events::MAX_FUNCTIONS;
+use crate::contact::model::solution::Solution;
 use crate::contact::search::judge::CLEAR;
 use crate::integrate::Tableau;
 use crate::integrate::event_location::first_crossing;
@@ -60,6 +61,8 @@ pub struct ExplicitStepper {
     functions: StepEventFunctions,
     /// Reference directions at the start of the step.
     directions: Vec<Vec<Vector2<f64>>>,
+    /// The solution before evaluations for the log.
+    held: Option<Solution>,
     /// Event functions at the start of the step, at the ends of the bracket, and scratch.
     start: Vec<f64>,
     left: Vec<f64>,
@@ -81,6 +84,7 @@ impl ExplicitStepper {
             dense: vec![0.0; n],
             functions: StepEventFunctions::new(),
             directions: Vec::new(),
+            held: None,
             start: Vec::with_capacity(MAX_FUNCTIONS),
             left: Vec::with_capacity(MAX_FUNCTIONS),
             right: Vec::with_capacity(MAX_FUNCTIONS),
@@ -389,10 +393,16 @@ impl ExplicitStepper {
         h: f64,
         observer: &mut dyn Observer,
     ) -> Result<(), RunError> {
+        let due = |next: Option<f64>| next.filter(|&t| t < t1);
+        if due(sim.log.next()).or(due(sim.next_sample())).is_none() {
+            return Ok(());
+        }
         // Evaluations for the log are not part of the run's cost.
         let evaluations = sim.plant.evaluations;
-        let mut moved = false;
-        let due = |next: Option<f64>| next.filter(|&t| t < t1);
+        // Vertex forces of static soles are those of the last step, from which the next choice of
+        // states begins.
+        let held = self.held.get_or_insert_with(|| sim.plant.solution.clone());
+        held.copy_from(&sim.plant.solution);
         while let Some(t) = due(sim.log.next()).into_iter().chain(due(sim.next_sample())).reduce(f64::min) {
             self.pair.interpolate(((t - t0) / h).clamp(0.0, 1.0), &mut self.dense);
             sim.plant.unpack(t, &self.dense);
@@ -404,13 +414,11 @@ impl ExplicitStepper {
             if sim.log.next() == Some(t) {
                 sim.emit_snapshot(observer)?;
             }
-            moved = true;
         }
-        if moved {
-            // Returns the plant to the end of the step.
-            sim.plant.unpack(t1, self.pair.end());
-            sim.plant.evaluate();
-        }
+        // Returns the plant to the end of the step.
+        sim.plant.unpack(t1, self.pair.end());
+        sim.plant.evaluate();
+        sim.plant.solution.copy_from(held);
         sim.plant.evaluations = evaluations;
         Ok(())
     }
