@@ -68,22 +68,22 @@ fn a_full_file_system_ends_the_batch_and_resume_completes_it() {
     // A log takes some 300 kB.
     place.block("s.toml", "[log]\nrate = 1000\n[sweep]\nrepeat = 40\n");
     place.runner(&["s.toml", "-o", "whole"]).exits(0);
+    // One run at a time: of two, one could find no room in `runs.jsonl`, which ends the batch too.
     // Copied before the file system vanishes; resumed on one that has room.
-    let line = "\"$0\" s.toml -o small/results; code=$?; cp -r small/results kept; exit $code";
+    let line = "\"$0\" s.toml -j 1 -o small/results; code=$?; cp -r small/results kept; exit $code";
     let Some(done) = run_on_small_disk(&place, "2m", line) else { return };
     let done = done.exits(3);
     assert!(done.stderr.contains("log.mcap: No space left on device"), "{}", done.stderr);
     assert!(done.stderr.contains("no more runs start, because the disk or a quota is full"), "{}", done.stderr);
     assert!(done.stderr.contains("with --resume"), "{}", done.stderr);
     let ran = fs::read_dir(place.path("kept/s")).unwrap().count();
-    // The run that found the disk full, and those that ran at the same time.
     let list = fs::read_to_string(place.path("kept/runs.jsonl")).unwrap();
     let (errors, passed): (Vec<&str>, Vec<&str>) =
         list.split_inclusive('\n').partition(|line| line.contains("\"outcome\":\"error\""));
     let failed = errors.len();
     // A re-run adds a line.
     fs::write(place.path("kept/runs.jsonl"), passed.concat()).unwrap();
-    assert!((1..40).contains(&ran) && (1..=8).contains(&failed), "{ran} runs, {failed} errors");
+    assert!((1..40).contains(&ran) && failed == 1, "{ran} runs, {failed} errors");
     place.runner(&["s.toml", "-o", "kept", "--resume"]).exits(0);
     assert_same(&place.path("whole"), &place.path("kept"));
 }
