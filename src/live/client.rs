@@ -21,7 +21,7 @@ const MAX_BACKLOG: usize = 16 << 20;
 /// descriptions.
 const MAX_RELIABLE: usize = 128 << 20;
 /// Largest length of a request, bytes.
-pub(super) const MAX_REQUEST: usize = 1 << 20;
+const MAX_REQUEST: usize = 1 << 20;
 /// Largest number of subscriptions.
 const MAX_SUBSCRIPTIONS: usize = 1024;
 /// Time limit of a handshake, from the start of the connection.
@@ -163,8 +163,7 @@ impl Client {
             return None;
         };
         written.ok()?;
-        let config = WebSocketConfig::default().max_message_size(Some(MAX_REQUEST)).max_frame_size(Some(MAX_REQUEST));
-        let socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
+        let socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(socket_config()));
         self.connection = Connection::Open(Box::new(socket));
         Some(ClientEvent::Opened)
     }
@@ -287,6 +286,11 @@ fn next(queue: &mut VecDeque<Message>, bytes: &mut usize) -> Option<Message> {
 /// True for a topic message.
 fn is_counted(message: &Message) -> bool {
     matches!(message, Message::Binary(bytes) if protocol::is_message(bytes))
+}
+
+/// Limits on the frames of a client.
+pub(super) fn socket_config() -> WebSocketConfig {
+    WebSocketConfig::default().max_message_size(Some(MAX_REQUEST)).max_frame_size(Some(MAX_REQUEST))
 }
 
 #[cfg(test)]

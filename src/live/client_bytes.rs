@@ -3,13 +3,13 @@
 
 use std::io::{Cursor, ErrorKind, Read, Write};
 
-use tungstenite::protocol::{Role, WebSocketConfig};
+use tungstenite::protocol::Role;
 use tungstenite::{Error, Message, WebSocket};
 
 use crate::live::VIEWER_ORIGINS;
-use crate::live::client::MAX_REQUEST;
+use crate::live::client::socket_config;
 use crate::live::handshake::{HandshakeResult, parse_handshake};
-use crate::live::protocol::Request;
+use crate::live::protocol::parse_request;
 use crate::web::LocalAccess;
 
 /// A stream of received bytes; written ones are dropped.
@@ -40,13 +40,12 @@ pub fn read_client_bytes(bytes: &[u8]) -> usize {
     let access = LocalAccess { origins: VIEWER_ORIGINS.map(str::to_owned).to_vec(), ..LocalAccess::default() };
     let HandshakeResult::Accept(response, length) = parse_handshake(bytes, &access) else { return 0 };
     debug_assert!(response.ends_with("\r\n\r\n") && length <= bytes.len());
-    let config = WebSocketConfig::default().max_message_size(Some(MAX_REQUEST)).max_frame_size(Some(MAX_REQUEST));
     let rest = Received(Cursor::new(bytes[length..].to_vec()));
-    let mut socket = WebSocket::from_raw_socket(rest, Role::Server, Some(config));
+    let mut socket = WebSocket::from_raw_socket(rest, Role::Server, Some(socket_config()));
     let mut requests = 0;
     loop {
         match socket.read() {
-            Ok(Message::Text(text)) => requests += usize::from(serde_json::from_str::<Request>(&text).is_ok()),
+            Ok(Message::Text(text)) => requests += usize::from(parse_request(&text).is_some()),
             Ok(_) => {}
             Err(Error::Io(error)) if error.kind() == ErrorKind::Interrupted => {}
             Err(_) => return requests,
