@@ -59,7 +59,7 @@ impl Simulation {
         let corners = setup.corners();
         let mut plant = Plant::new(setup.plant(), method, problem);
         let carried = CarriedObjects::new(&model, std::mem::take(&mut setup.carried_objects));
-        let stepper = stepper(&setup.integrator, plant.layout.size());
+        let stepper = stepper(&setup.integrator, &plant);
         let mut tolerances = setup.contact.tolerances;
         if setup.contact.locate && plant.method.locates_events() {
             tolerances = tolerances.with_located_events();
@@ -283,16 +283,16 @@ fn check_soles(model: &Model) -> Result<(), RunError> {
     Ok(())
 }
 
-/// The stepper for a state vector of length `n`.
-fn stepper(integrator: &IntegratorSetup, n: usize) -> Stepper {
+fn stepper(integrator: &IntegratorSetup, plant: &Plant) -> Stepper {
+    let (n, solution) = (plant.layout.size(), &plant.solution);
     match *integrator {
         IntegratorSetup::Controlled { pair, relative, absolute, max_step } => {
             let control = StepControl::new(pair.order);
             let size = StepSize::Controlled { control, relative, absolute, max_step, h: max_step.min(1e-3) };
-            Stepper::Explicit(Box::new(ExplicitStepper::new(pair, n, size)))
+            Stepper::Explicit(Box::new(ExplicitStepper::new(pair, n, size, solution)))
         }
         IntegratorSetup::Stepped { method, step } => {
-            Stepper::Explicit(Box::new(ExplicitStepper::new(method, n, StepSize::Fixed(step))))
+            Stepper::Explicit(Box::new(ExplicitStepper::new(method, n, StepSize::Fixed(step), solution)))
         }
         IntegratorSetup::SemiImplicit { step } => Stepper::SemiImplicit(Box::new(SemiImplicitStepper::new(step))),
     }

@@ -62,7 +62,7 @@ pub struct ExplicitStepper {
     /// Reference directions at the start of the step.
     directions: Vec<Vec<Vector2<f64>>>,
     /// The solution before evaluations for the log.
-    held: Option<Solution>,
+    held: Solution,
     /// Event functions at the start of the step, at the ends of the bracket, and scratch.
     start: Vec<f64>,
     left: Vec<f64>,
@@ -71,8 +71,8 @@ pub struct ExplicitStepper {
 }
 
 impl ExplicitStepper {
-    /// For vectors of length `n`.
-    pub fn new(method: &'static Tableau, n: usize, size: StepSize) -> Self {
+    /// For vectors of length `n` and solutions of the size of `solution`.
+    pub fn new(method: &'static Tableau, n: usize, size: StepSize, solution: &Solution) -> Self {
         ExplicitStepper {
             pair: MethodPair::new(method, n, &size),
             size,
@@ -84,7 +84,7 @@ impl ExplicitStepper {
             dense: vec![0.0; n],
             functions: StepEventFunctions::new(),
             directions: Vec::new(),
-            held: None,
+            held: solution.clone(),
             start: Vec::with_capacity(MAX_FUNCTIONS),
             left: Vec::with_capacity(MAX_FUNCTIONS),
             right: Vec::with_capacity(MAX_FUNCTIONS),
@@ -401,8 +401,7 @@ impl ExplicitStepper {
         let evaluations = sim.plant.evaluations;
         // Vertex forces of static soles are those of the last step, from which the next choice of
         // states begins.
-        let held = self.held.get_or_insert_with(|| sim.plant.solution.clone());
-        held.copy_from(&sim.plant.solution);
+        self.held.copy_from(&sim.plant.solution);
         while let Some(t) = due(sim.log.next()).into_iter().chain(due(sim.next_sample())).reduce(f64::min) {
             self.pair.interpolate(((t - t0) / h).clamp(0.0, 1.0), &mut self.dense);
             sim.plant.unpack(t, &self.dense);
@@ -418,7 +417,7 @@ impl ExplicitStepper {
         // Returns the plant to the end of the step.
         sim.plant.unpack(t1, self.pair.end());
         sim.plant.evaluate();
-        sim.plant.solution.copy_from(held);
+        sim.plant.solution.copy_from(&self.held);
         sim.plant.evaluations = evaluations;
         Ok(())
     }
