@@ -226,7 +226,7 @@ impl Chunk<'_> {
         self.written(run, keys)
     }
 
-    fn written<T>(&mut self, run: &Run, result: Result<T, toml::ser::Error>) -> Checked<T> {
+    fn written<T>(&mut self, run: &Run, result: Result<T, serde_json::Error>) -> Checked<T> {
         let message = |error| format!("{}: the scenario cannot be written out: {error}", run.file.display());
         result.map_err(|error| self.report(Finding::Plan(message(error)))).ok()
     }

@@ -1,8 +1,9 @@
 //! Computes run keys: equal for equal runs, wherever their files are.
 //!
-//! A key hashes the resolved scenario (seed included), the bytes of the robot's files in reading
-//! order, the bytes of files that the scenario names, and the program version. The robot's path and
-//! repetitions for timing are excluded.
+//! A key hashes the resolved scenario (seed included, as JSON, which is faster to write than TOML;
+//! all numbers of scenarios are finite), the bytes of the robot's files in reading order, the bytes
+//! of files that the scenario names, and the program version. The robot's path and repetitions for
+//! timing are excluded.
 //!
 //! Repetitions differ in the digits of their seed alone, so their scenario is written once.
 
@@ -22,6 +23,8 @@ pub(super) struct RunKeys {
     scenario: Scenario,
     /// The text of the scenario before and after its seed; none if it is written for each run.
     parts: Option<[String; 2]>,
+    /// The text of the last run's scenario.
+    text: Vec<u8>,
     files: Arc<HashedFiles>,
 }
 
@@ -75,26 +78,26 @@ impl RunKeys {
     /// Keys of a run and, if there are several, of its repetitions.
     ///
     /// # Errors
-    /// The scenario cannot be written as TOML.
+    /// The scenario cannot be written as JSON.
     pub fn new(
         run: &Run,
         robot: &Arc<Robot>,
         repetitions: usize,
         last: &mut LastFiles,
-    ) -> Result<Self, toml::ser::Error> {
+    ) -> Result<Self, serde_json::Error> {
         let mut scenario: Scenario = run.scenario.clone();
         scenario.robot.model.clear();
         let compare = scenario.compare.take().map(|compare| CompareSpec { timing_repeats: None, ..compare });
         scenario.compare = compare.filter(|compare| *compare != CompareSpec::default());
         let parts = if repetitions > 2 { split(&scenario)? } else { None };
-        Ok(RunKeys { scenario, parts, files: last.of(run, robot) })
+        Ok(RunKeys { scenario, parts, text: Vec::new(), files: last.of(run, robot) })
     }
 
     /// The key of the run with this seed.
     ///
     /// # Errors
-    /// The scenario cannot be written as TOML.
-    pub fn key(&mut self, seed: u64) -> Result<u64, toml::ser::Error> {
+    /// The scenario cannot be written as JSON.
+    pub fn key(&mut self, seed: u64) -> Result<u64, serde_json::Error> {
         let mut hasher = self.files.before.clone();
         match &self.parts {
             Some([before, after]) => {
@@ -102,7 +105,9 @@ impl RunKeys {
             }
             None => {
                 self.scenario.seed = seed;
-                hasher.add(SCENARIO, &[toml::to_string(&self.scenario)?.as_bytes()]);
+                self.text.clear();
+                serde_json::to_writer(&mut self.text, &self.scenario)?;
+                hasher.add(SCENARIO, &[&self.text]);
             }
         }
         self.files.after.iter().for_each(|(label, bytes)| hasher.add(label, &[bytes]));
@@ -112,11 +117,11 @@ impl RunKeys {
 
 /// The text of a scenario before and after its seed: what two texts with different seeds share.
 /// None if they differ elsewhere.
-fn split(scenario: &Scenario) -> Result<Option<[String; 2]>, toml::ser::Error> {
+fn split(scenario: &Scenario) -> Result<Option<[String; 2]>, serde_json::Error> {
     let mut scenario = scenario.clone();
     let mut written = |seed: u64| {
         scenario.seed = seed;
-        toml::to_string(&scenario)
+        serde_json::to_string(&scenario)
     };
     let (a, b) = (written(MARKERS[0])?, written(MARKERS[1])?);
     let Some(at) = a.bytes().zip(b.bytes()).position(|(a, b)| a != b) else { return Ok(None) };
@@ -134,11 +139,11 @@ mod tests {
     #[test]
     fn a_text_is_split_at_its_seed() {
         // A description that looks like the line of the seed.
-        let description = "seed = 1111111111111111111\nseed = 1\n".to_owned();
+        let description = r#""seed":1111111111111111111,"seed":1"#.to_owned();
         let scenario = Scenario { description, seed: 7, ..Scenario::default() };
         let [before, after] = split(&scenario).unwrap().expect("only the seed differs");
         for seed in [0, 7, 12_345, i64::MAX as u64] {
-            let written = toml::to_string(&Scenario { seed, ..scenario.clone() }).unwrap();
+            let written = serde_json::to_string(&Scenario { seed, ..scenario.clone() }).unwrap();
             assert_eq!(format!("{before}{seed}{after}"), written);
         }
     }
