@@ -28,6 +28,7 @@ use crate::math;
 use crate::robot::{Model, Robot, SoleId};
 use crate::scenario::{
     Diagnostic, Diagnostics, EventHandling, FloorSpec, IntegratorMethod, IntegratorSpec, JointLimits, PatchSpec, Run,
+    SunkLink,
 };
 use crate::sim::Floor;
 use crate::sim::floor::Patch;
@@ -97,6 +98,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         duration: s.end(),
         log_rate: s.log.rate,
         fallen_below: s.stop.fallen.as_ref().map(|f| f.below),
+        ends_when_sunk: s.stop.sunk_link == SunkLink::Fallen,
         notes,
     })
 }

@@ -32,6 +32,7 @@ impl ScenarioDocument {
         table.insert("duration".into(), Value::Float(end));
         // Each repetition has its own seed.
         table.insert("seed".into(), Value::Integer(i64::try_from(run.scenario.seed).unwrap_or(i64::MAX)));
+        table.insert("stop".into(), Value::Table(continuing()));
         let mut document = ScenarioDocument { table, file: run.file.clone() };
         let control = document.table.entry("control").or_insert_with(|| Value::Table(Table::new()));
         if let Value::Table(control) = control {
@@ -92,7 +93,9 @@ impl ScenarioDocument {
     /// Writes a scenario that ends at `time`, s, with paths relative to the folder of `path`.
     pub fn save(&self, path: &Path, time: f64) -> Result<(), ConsoleError> {
         let mut saved = self.clone();
-        saved.table.insert("stop".into(), Value::Table(Table::from_iter([("at".into(), Value::Float(time))])));
+        let mut stop = continuing();
+        stop.insert("at".into(), Value::Float(time));
+        saved.table.insert("stop".into(), Value::Table(stop));
         let (from, to) = (folder(&self.file), folder(path));
         std::fs::create_dir_all(&to).map_err(|source| ConsoleError::Io { path: to.clone(), source })?;
         let rebase = |value: Option<&mut Value>| {
@@ -112,6 +115,11 @@ impl ScenarioDocument {
         write_named(path, OutputKind::Session, |out| out.write_all(text.as_bytes()).map_err(RecordError::io(path)))?;
         Ok(())
     }
+}
+
+/// Rules of a session, which continues after a fall.
+fn continuing() -> Table {
+    Table::from_iter([("sunk_link".into(), Value::String("ignore".into()))])
 }
 
 /// Sets the value of a dotted key; absent tables are created.

@@ -167,7 +167,7 @@ metrics! {
     first_liftoff_s("first_liftoff_s"): OptionalReal, "s", Simulation, "First change of any sole to free.";
     first_slip_s("first_slip_s"): OptionalReal, "s", Simulation, "First change of any sole from static to sliding.";
     first_stick_s("first_stick_s"): OptionalReal, "s", Simulation, "First change of any sole from sliding to static.";
-    first_fall_s("first_fall_s"): OptionalReal, "s", Robot, "First time `stop.fallen` held.";
+    first_fall_s("first_fall_s"): OptionalReal, "s", Robot, "When the run ended with outcome `fallen`.";
     max_projection_m("max_projection_m"): Running, "m", Simulation,
         "Greatest drift projected out of the clamped directions after a step.";
     rms_penetration_m("rms_penetration_m"): AtEnd, "m", Simulation,

@@ -57,7 +57,7 @@ pub use format::{
         BaseSpec, InertiaSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec,
         SoleSpec,
     },
-    run::{FallenRule, LogSpec, LogTopic, StopSpec},
+    run::{FallenRule, LogSpec, LogTopic, StopSpec, SunkLink},
     self_collision::SelfCollisionSpec,
     sensors::{OrientationError, SensorError, SensorsSpec},
     sweep::{Axis, SweepSpec},

@@ -132,6 +132,8 @@ pub struct Setup {
     pub log_rate: f64,
     /// End the run when the base is lower than this above the floor, m.
     pub fallen_below: Option<f64>,
+    /// End the run when a link of a robot with a floating base has sunk through the floor.
+    pub ends_when_sunk: bool,
     /// Notes for the user.
     pub notes: Vec<String>,
 }
@@ -185,6 +187,7 @@ impl Setup {
             duration: 1.0,
             log_rate: 0.0,
             fallen_below: None,
+            ends_when_sunk: true,
             notes: Vec::new(),
             model,
         }

@@ -2,6 +2,7 @@
 
 use super::carried_object::CarriedObjects;
 use super::event_kind::EventKind;
+use super::floor::SunkLinks;
 use super::measure::energy_balance::EnergyAccount;
 use super::measure::milestones::Milestones;
 use super::measure::residual_maxima::ResidualMaxima;
@@ -24,7 +25,7 @@ use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::MAX_SOLES;
 use crate::integrate::StepControl;
-use crate::robot::Model;
+use crate::robot::{LinkId, Model};
 use crate::text::length_limit::limit_length;
 use nalgebra::Vector3;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -108,6 +109,7 @@ impl Simulation {
             saved: Vec::new(),
             duration: setup.duration,
             fallen_below: setup.fallen_below,
+            sunk_links: setup.ends_when_sunk.then(|| SunkLinks::new(&model)),
             last_collision: f64::NEG_INFINITY,
             stall_guard: StallGuard::default(),
             plant,
@@ -320,17 +322,28 @@ fn check_forces(run: &mut RunState) -> Result<(), RunError> {
     failure.map_or(Ok(()), |e| Err(RunError::internal(format!("{e} at {:.6} s", run.plant.state.time))))
 }
 
-/// Fails when the base is below the height at which the robot counts as fallen.
+/// The deepest link that has sunk through the floor, with its depth, m.
+fn sunk_link(run: &mut RunState) -> Option<(LinkId, f64)> {
+    let links = run.sunk_links.as_ref()?;
+    run.plant.update_kinematics();
+    links.deepest(&run.plant.ws, &run.plant.floor)
+}
+
+/// Fails when the base is below the height at which the robot counts as fallen, or a link has sunk.
 fn check_fallen(run: &mut RunState, observer: &mut dyn Observer) -> Result<(), RunError> {
-    let Some(below) = run.fallen_below else { return Ok(()) };
-    let height = run.plant.floor.height(&run.plant.state.position);
-    if height >= below {
-        return Ok(());
-    }
     let t = run.plant.state.time;
+    let height = run.plant.floor.height(&run.plant.state.position);
+    let (subject, message) = if let Some(below) = run.fallen_below.filter(|below| height < *below) {
+        (String::new(), format!("base {height:.4} m above the floor at {t:.4} s, below {below} m"))
+    } else if let Some((link, depth)) = sunk_link(run) {
+        let name = run.plant.model.links[link.0].name.clone();
+        let message = format!("link `{name}` {depth:.4} m below the floor at {t:.4} s; only soles touch the floor");
+        (name, message)
+    } else {
+        return Ok(());
+    };
     run.metrics.first_fall_s.get_or_insert(t);
-    let message = format!("base {height:.4} m above the floor at {t:.4} s, below {below} m");
-    run.event(observer, EventKind::Fallen, "", &message)?;
+    run.event(observer, EventKind::Fallen, &subject, &message)?;
     run.emit_last_step(observer)?;
     run.plant.evaluate();
     run.emit_snapshot(observer)?;

@@ -30,5 +30,6 @@ mod spin;
 mod stall;
 mod standing;
 mod stepping;
+mod sunk;
 pub mod support;
 mod tipping;

@@ -30,6 +30,7 @@ fn point_foot(floor: &str, velocity: [f64; 2], rpy: [f64; 3]) -> String {
     let v = Rotation3::from_euler_angles(rpy[0], rpy[1], rpy[2]) * Vector3::new(x, y, 0.0);
     format!(
         "duration = 2.0
+        stop = {{ sunk_link = \"ignore\" }}
         [robot]
         model = \"robots/block/block.toml\"
         base = {{ linear_velocity = [{}, {}, {}] }}

@@ -56,7 +56,8 @@ fn the_centre_of_mass_moves_above_the_middle_of_the_soles() {
 #[test]
 fn a_pushed_robot_recovers_only_with_balance() {
     // Well below the limit found by scenarios/studies/push-recovery.toml.
-    let back = |text: &str| run(&format!("{HOAP}{text}{}", push(1.0))).final_base_position;
+    let text = |task: &str| format!("{HOAP}{task}{}[stop]\nsunk_link = \"ignore\"\n", push(1.0));
+    let back = |task: &str| run(&text(task)).final_base_position;
     let quiet = run(&format!("{HOAP}{BALANCE}")).final_base_position;
     let balanced = back(BALANCE);
     assert!((0..3).all(|i| (balanced[i] - quiet[i]).abs() < 1e-3), "{balanced:?} {quiet:?}");

@@ -42,11 +42,26 @@ pub struct StopSpec {
     /// Ends the run with outcome `fallen`; left out: never.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fallen: Option<FallenRule>,
+    /// What follows when collision shapes of a link are more than 1 mm below the floor. Only soles
+    /// touch the floor, so other links of a fallen robot sink through it. Shapes of a foot within 1
+    /// cm of its sole do not count. Robots without soles and with a fixed base are not checked.
+    pub sunk_link: SunkLink,
     /// Ends the run at this time, s; left out: at `duration`. Plans and random draws still cover
     /// all of `duration`, so the run equals the first part of the full one.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "some_positive")]
     #[schemars(with = "Option<json::Positive>")]
     pub at: Option<f64>,
+}
+
+/// What follows when a link has sunk through the floor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SunkLink {
+    /// The run ends with outcome `fallen`.
+    #[default]
+    Fallen,
+    /// Nothing.
+    Ignore,
 }
 
 /// Rule by which the robot has fallen.

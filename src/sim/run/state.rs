@@ -10,6 +10,7 @@ use crate::contact::selection_record::SelectionRecord;
 use crate::sim::carried_object::CarriedObjects;
 use crate::sim::command_source::CommandSource;
 use crate::sim::event_kind::EventKind;
+use crate::sim::floor::SunkLinks;
 use crate::sim::measure::energy_balance::EnergyAccount;
 use crate::sim::measure::milestones::Milestones;
 use crate::sim::measure::residual_maxima::ResidualMaxima;
@@ -104,6 +105,8 @@ pub struct RunState {
     pub duration: f64,
     /// Height of the base above the floor below which the robot has fallen, m.
     pub fallen_below: Option<f64>,
+    /// Links that end the run when they sink through the floor, if any may.
+    pub sunk_links: Option<SunkLinks>,
     /// Time of the last impact faster than the velocity tolerance, s.
     pub last_collision: f64,
     /// Detects a stalled run.
