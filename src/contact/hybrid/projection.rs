@@ -83,13 +83,92 @@ pub(crate) fn set_position_errors(
 /// small rotation (about x and y) whose normal motion `t_x r_y - t_y r_x` fits the remainder.
 pub(crate) fn fit_plane(sole: &SoleProblem, value: impl Fn(usize) -> f64) -> Vector3<f64> {
     let k = sole.vertices.len();
-    let mean = (0..k).map(&value).sum::<f64>() / k as f64;
+    let (mean, a, b) = moments(sole, value, |_| true);
+    let tilt = if k > 2 { a.try_inverse().map_or(Vector2::zeros(), |a| a * b) } else { Vector2::zeros() };
+    Vector3::new(mean, tilt.x, tilt.y)
+}
+
+/// Spread of the vertices seen from above, as a ratio of areas, below which a sole stands
+/// perpendicular to the floor: its gaps are then no function of the position on the floor.
+const PERPENDICULAR: f64 = 1e-6;
+
+/// The plane of the gaps of a sole's vertices. Only those of vertices that are near count if the sole
+/// is perpendicular to the floor, as when its foot lies on its side.
+pub(crate) fn fit_gaps(sole: &SoleProblem, value: impl Fn(usize) -> f64) -> Vector3<f64> {
+    let (_, a, _) = moments(sole, &value, |_| true);
+    if sole.vertices.len() < 3 || a.determinant() > PERPENDICULAR * a.trace() * a.trace() {
+        return fit_plane(sole, value);
+    }
+    let near = |i: usize| sole.vertices[i].near;
+    if !(0..sole.vertices.len()).any(near) {
+        return Vector3::zeros();
+    }
+    let (mean, a, b) = moments(sole, &value, near);
+    // Near vertices are on a line: the least rotation through their values.
+    let tilt = if a.trace() > 0.0 { b / a.trace() } else { Vector2::zeros() };
+    let middle = middle(sole, near);
+    Vector3::new(mean - tilt.x * middle.y + tilt.y * middle.x, tilt.x, tilt.y)
+}
+
+/// Mean of the values at the vertices used, and the normal equations of the rotation about their
+/// middle that fits the remainder.
+fn moments(
+    sole: &SoleProblem,
+    value: impl Fn(usize) -> f64,
+    used: impl Fn(usize) -> bool + Copy,
+) -> (f64, Matrix2<f64>, Vector2<f64>) {
+    let vertices = || (0..sole.vertices.len()).filter(|i| used(*i));
+    let count = vertices().count() as f64;
+    let mean = vertices().map(&value).sum::<f64>() / count;
+    let middle = if count < sole.vertices.len() as f64 { middle(sole, used) } else { Vector2::zeros() };
     let (mut a, mut b) = (Matrix2::zeros(), Vector2::zeros());
-    for (i, v) in sole.vertices.iter().enumerate() {
-        let row = Vector2::new(v.r.y, -v.r.x);
+    for i in vertices() {
+        let r = sole.vertices[i].r.xy() - middle;
+        let row = Vector2::new(r.y, -r.x);
         a += row * row.transpose();
         b += row * (value(i) - mean);
     }
-    let tilt = if k > 2 { a.try_inverse().map_or(Vector2::zeros(), |a| a * b) } else { Vector2::zeros() };
-    Vector3::new(mean, tilt.x, tilt.y)
+    (mean, a, b)
+}
+
+/// Middle of the vertices used, relative to the reference point, seen from above.
+fn middle(sole: &SoleProblem, used: impl Fn(usize) -> bool) -> Vector2<f64> {
+    let (mut sum, mut count) = (Vector2::zeros(), 0.0);
+    for v in (0..sole.vertices.len()).filter(|i| used(*i)).map(|i| &sole.vertices[i]) {
+        sum += v.r.xy();
+        count += 1.0;
+    }
+    sum / count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square of side 2 that stands on its edge from (-1, 0, 0) to (1, 0, 0), turned about it.
+    fn standing(lean: f64) -> SoleProblem {
+        let (s, c) = crate::math::sin_cos(lean);
+        let corners = [(-1.0, 0.0), (1.0, 0.0), (1.0, 2.0), (-1.0, 2.0)];
+        let mut sole = Problem::new(&[4]).soles.remove(0);
+        for (v, (along, up)) in sole.vertices.iter_mut().zip(corners) {
+            (v.height, v.near) = (up * c, up == 0.0);
+            v.r = Vector3::new(along, (up - 1.0) * s, (up - 1.0) * c);
+        }
+        sole
+    }
+
+    #[test]
+    fn gaps_of_near_vertices_are_met_however_a_sole_stands() {
+        for lean in [0.0, 1e-12, 1e-9, 1e-6, 1e-4, 1e-2, 1.0] {
+            let mut sole = standing(lean);
+            // The edge itself is 0.3 and 0.1 m above the floor.
+            let gaps = [0.3, 0.1];
+            let heights: Vec<f64> = (0..4).map(|i| sole.vertices[i].height + [0.3, 0.1, 0.1, 0.3][i]).collect();
+            sole.target = fit_gaps(&sole, |i| heights[i]);
+            for (i, gap) in gaps.into_iter().enumerate() {
+                // Rounding of the normal equations, whose condition is below 1 / PERPENDICULAR.
+                assert!((sole.vertex_target(i) - gap).abs() < 1e-9, "{lean} {i}: {}", sole.vertex_target(i));
+            }
+        }
+    }
 }

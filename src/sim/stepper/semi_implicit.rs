@@ -10,7 +10,7 @@
 //! velocities at the end of the step: a vertex may close its gap but not enter the floor,
 //! `v+_n >= -gap / dt`. First order in dt.
 
-use crate::contact::hybrid::projection::fit_plane;
+use crate::contact::hybrid::projection::fit_gaps;
 use crate::contact::methods::contact_method::Scheme;
 use crate::contact::model::problem::Level;
 use crate::dynamics::reduced;
@@ -157,14 +157,6 @@ pub(super) fn set_velocity_problem(sim: &mut RunState, dt: f64) {
         // gap within it. One that decides from heights may clamp a vertex up to the distance
         // tolerance above the floor, and stops it there.
         let closes = matches!(scheme, Scheme::EventDriven | Scheme::TimeStepping);
-        let sole = &p.soles[s];
-        let gap = match scheme {
-            Scheme::EventDriven => fit_plane(sole, |i| sole.vertices[i].height.max(0.0)),
-            Scheme::DecidedPerStep | Scheme::Compliant => Vector3::zeros(),
-            // A vertex below the floor is pushed out.
-            Scheme::TimeStepping => fit_plane(sole, |i| sole.vertices[i].height),
-        };
-        p.soles[s].target = gap * (-1.0 / dt);
         let fastest = p.soles[s].vertices.iter().map(|v| v.velocity.norm_squared()).fold(0.0, f64::max).sqrt();
         for i in 0..p.soles[s].vertices.len() {
             let free = p.vertex_motion(&p.b, s, i).z;
@@ -173,6 +165,16 @@ pub(super) fn set_velocity_problem(sim: &mut RunState, dt: f64) {
             // the other vertices turn the sole as fast as they approached.
             v.near = v.height + dt * free.min(0.0) <= dt * fastest || v.height <= 0.0;
             v.moving = false;
+        }
+        let sole = &p.soles[s];
+        let gap = match scheme {
+            Scheme::EventDriven => fit_gaps(sole, |i| sole.vertices[i].height.max(0.0)),
+            Scheme::DecidedPerStep | Scheme::Compliant => Vector3::zeros(),
+            // A vertex below the floor is pushed out.
+            Scheme::TimeStepping => fit_gaps(sole, |i| sole.vertices[i].height),
+        };
+        p.soles[s].target = gap * (-1.0 / dt);
+        for v in &mut p.soles[s].vertices {
             // The target now contains the gap. Vertices meet the floor at its height: with all
             // points of a sole at one height, tilting has no tangential part.
             if v.near && closes {
