@@ -84,7 +84,7 @@ fn aba(bencher: Bencher, robot: &str) {
 fn reduced_problem(bencher: Bencher, robot: &str) {
     let s = setup(robot);
     let mut problem = Reduced::new(&s.model, &s.ws);
-    super::each(bencher, || reduced::assemble(&s.model, &s.ws, &Matrix3::identity(), &s.tau, &mut problem));
+    super::each(bencher, || reduced::assemble(&s.ws, &Matrix3::identity(), &s.tau, &mut problem));
 }
 
 /// The full evaluation from the state to the acceleration with both soles clamped: kinematics, h,
@@ -95,11 +95,11 @@ fn constrained_forward_dynamics(bencher: Bencher, robot: &str) {
     let mut problem = Reduced::new(&s.model, &s.ws);
     super::each(bencher, || {
         dynamics::prepare(&s.model, &s.state, &GRAVITY, &mut s.ws).expect("every joint moves mass");
-        reduced::assemble(&s.model, &s.ws, &Matrix3::identity(), &s.tau, &mut problem);
+        reduced::assemble(&s.ws, &Matrix3::identity(), &s.tau, &mut problem);
         let w = nalgebra::SMatrix::<f64, 12, 12>::from_column_slice(&problem.w);
         let a0 = nalgebra::SVector::<f64, 12>::from_column_slice(&problem.a0);
         let wrench = w.cholesky().expect("bent legs: W is regular").solve(&-a0);
         s.out.copy_from_slice(&problem.free);
-        reduced::apply(&s.model, &s.ws, &mut problem, wrench.as_slice(), &mut s.out);
+        reduced::apply(&s.ws, &mut problem, wrench.as_slice(), &mut s.out);
     });
 }

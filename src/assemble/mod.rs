@@ -28,10 +28,10 @@ use crate::math;
 use crate::robot::{Model, Robot, SoleId};
 use crate::scenario::{
     Diagnostic, Diagnostics, EventHandling, FloorSpec, IntegratorMethod, IntegratorSpec, JointLimits, PatchSpec, Run,
-    SunkLink,
+    SunkLink, TouchingParts,
 };
 use crate::sim::Floor;
-use crate::sim::floor::Patch;
+use crate::sim::floor::{LinkHull, Patch};
 use crate::sim::setup::{ContactSetup, Forced, IntegratorSetup, Setup};
 use nalgebra::{Rotation3, Vector3};
 use std::sync::Arc;
@@ -76,6 +76,8 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     if !errors.is_empty() {
         return Err(Diagnostics(names::limit_errors(errors)));
     }
+    let touching_links =
+        (s.robot.contact == TouchingParts::Bodies).then(|| LinkHull::of_model(&model, robot.self_collision.resolution));
     Ok(Setup {
         events,
         saved_states,
@@ -98,6 +100,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         duration: s.end(),
         log_rate: s.log.rate,
         fallen_below: s.stop.fallen.as_ref().map(|f| f.below),
+        touching_links,
         ends_when_sunk: s.stop.sunk_link == SunkLink::Fallen,
         notes,
     })

@@ -4,8 +4,8 @@
 //! W = J M^-1 J^T,   a0 = J M^-1 (tau - h) + Jdot v
 //! ```
 //!
-//! for F soles, each with a frame at its reference point (the centroid of its vertices, fixed in
-//! the link), in floor axes. Rows of a sole: acceleration p'' of the reference point, then angular
+//! for F soles (or other polygons that may touch), each with a frame at its reference point (the
+//! centroid of its vertices, fixed in the link), in floor axes. Rows of a sole: acceleration p'' of the reference point, then angular
 //! acceleration. `w` stacks the soles' wrenches: force, then moment about the reference point.
 //! `tau` contains all generalised forces except those of contact.
 //!
@@ -17,11 +17,11 @@ use super::factor;
 use super::jacobian::classical;
 use super::spatial::Motion;
 use super::workspace::Workspace;
-use crate::robot::{Model, SoleId};
+use crate::robot::{LinkId, Model, Sole, SoleId};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
-/// The reduced problem of one evaluation, allocated once for a model.
+/// The reduced problem of one evaluation, allocated once for a list of soles.
 #[derive(Clone, Debug)]
 pub struct Reduced {
     /// Number of soles F.
@@ -45,8 +45,12 @@ pub struct Reduced {
     /// see [`Reduced::vertices`].
     pub arms: Vec<Vector3<f64>>,
     vertex_start: Vec<usize>,
+    /// Carrying links, one per sole.
+    links: Vec<LinkId>,
     /// Reference points in the links' internal frames.
     local: Vec<Vector3<f64>>,
+    /// Vertices relative to their reference points in the links' internal frames, as `arms`.
+    local_arms: Vec<Vector3<f64>>,
     /// Y: for each sole and each velocity of its support chain, six numbers.
     y: Vec<[f64; 6]>,
     y_start: Vec<usize>,
@@ -58,15 +62,22 @@ pub struct Reduced {
 impl Reduced {
     /// Allocates for the soles of a model.
     pub fn new(model: &Model, ws: &Workspace) -> Self {
-        let n = model.soles.len();
+        Self::of_soles(&model.soles, ws)
+    }
+
+    /// Allocates for these soles.
+    pub fn of_soles(soles: &[Sole], ws: &Workspace) -> Self {
+        let n = soles.len();
         let mut vertex_start = vec![0];
         let mut y_start = vec![0];
-        let (mut local, mut rows) = (Vec::new(), Vec::new());
-        for sole in &model.soles {
+        let (mut local, mut local_arms, mut rows) = (Vec::new(), Vec::new(), Vec::new());
+        for sole in soles {
             rows.extend(ws.support(sole.link).iter().map(|&k| ws.factor.pattern().start(k)));
             vertex_start.push(vertex_start[vertex_start.len() - 1] + sole.vertices.len());
             y_start.push(y_start[y_start.len() - 1] + ws.support(sole.link).len());
-            local.push(sole.centroid());
+            let centroid = sole.centroid();
+            local_arms.extend(sole.vertices.iter().map(|vertex| vertex - centroid));
+            local.push(centroid);
         }
         Reduced {
             n,
@@ -79,12 +90,19 @@ impl Reduced {
             prescribed: Vec::with_capacity(ws.nv()),
             arms: vec![Vector3::zeros(); vertex_start[n]],
             vertex_start,
+            links: soles.iter().map(|sole| sole.link).collect(),
             local,
+            local_arms,
             y: vec![[0.0; 6]; y_start[n]],
             y_start,
             rows,
             half: vec![0.0; ws.nv()],
         }
+    }
+
+    /// The same for other soles, with the same prescribed velocities.
+    pub fn with_soles(&self, soles: &[Sole], ws: &Workspace) -> Self {
+        Reduced { prescribed: self.prescribed.clone(), ..Self::of_soles(soles, ws) }
     }
 
     /// Range of a sole's vertices in `arms`.
@@ -120,13 +138,13 @@ impl Reduced {
 /// The caller factorises by [`factor::factorize_prescribed`], subtracts `M_fk a_k` from tau and
 /// writes `h_k + a_k` into its prescribed entries. Their contribution to a0 is then correct, and
 /// that to W, [`apply`] and Y is removed.
-pub fn assemble(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64], out: &mut Reduced) {
-    geometry(model, ws, floor, out);
-    assemble_with_geometry(model, ws, floor, tau, out);
+pub fn assemble(ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64], out: &mut Reduced) {
+    geometry(ws, floor, out);
+    assemble_with_geometry(ws, floor, tau, out);
 }
 
 /// As [`assemble`], where `out` has the [`geometry`] of the state in the workspace already.
-pub fn assemble_with_geometry(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64], out: &mut Reduced) {
+pub fn assemble_with_geometry(ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64], out: &mut Reduced) {
     for ((half, tau), h) in out.half.iter_mut().zip(tau).zip(&ws.bias) {
         *half = tau - h;
     }
@@ -135,28 +153,28 @@ pub fn assemble_with_geometry(model: &Model, ws: &Workspace, floor: &Matrix3<f64
     factor::solve_l(&ws.factor, &mut out.free);
 
     for s in 0..out.n {
-        half_solve(model, ws, floor, s, out);
-        free_motion(model, ws, floor, s, out);
-        remove_prescribed(model, ws, s, out);
+        half_solve(ws, floor, s, out);
+        free_motion(ws, floor, s, out);
+        remove_prescribed(ws, s, out);
         for other in 0..=s {
-            block(model, ws, s, other, out);
+            block(ws, s, other, out);
         }
     }
 }
 
 /// Poses and velocities of the soles: the part of [`assemble`] that needs no forces. Needs
 /// `kinematics::update`.
-pub fn geometry(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, out: &mut Reduced) {
+pub fn geometry(ws: &Workspace, floor: &Matrix3<f64>, out: &mut Reduced) {
     let to_floor = floor.transpose();
-    for (s, sole) in model.soles.iter().enumerate() {
-        let link = &ws.links[sole.link.0];
+    for s in 0..out.n {
+        let link = &ws.links[out.links[s].0];
         let r = link.origin + link.rotation * out.local[s];
         out.reference[s] = ws.position + r;
         let turn = to_floor * link.rotation;
         out.orientation[s] = turn;
         let range = out.vertex_range(SoleId(s));
-        for (arm, vertex) in out.arms[range].iter_mut().zip(&sole.vertices) {
-            *arm = turn * (vertex - out.local[s]);
+        for (arm, local) in out.arms[range.clone()].iter_mut().zip(&out.local_arms[range]) {
+            *arm = turn * local;
         }
         let velocity = Motion::new(link.velocity.at(&r), link.velocity.angular);
         write_in_floor_axes(&to_floor, &velocity, &mut out.velocity[6 * s..6 * s + 6]);
@@ -164,9 +182,9 @@ pub fn geometry(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, out: &mut R
 }
 
 /// Y of one sole: its Jacobian columns, then L^-T along the support chain.
-fn half_solve(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, s: usize, out: &mut Reduced) {
+fn half_solve(ws: &Workspace, floor: &Matrix3<f64>, s: usize, out: &mut Reduced) {
     let to_floor = floor.transpose();
-    let chain = ws.support(model.soles[s].link);
+    let chain = ws.support(out.links[s]);
     let r = out.reference[s] - ws.position;
     let y = &mut out.y[out.y_start[s]..out.y_start[s + 1]];
     for (y, &k) in y.iter_mut().zip(chain) {
@@ -189,15 +207,14 @@ fn half_solve(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, s: usize, out
 }
 
 /// Rows of `a0`: Y^T L^-T (tau - h), and Jdot v from the link's acceleration at vdot = 0.
-fn free_motion(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, s: usize, out: &mut Reduced) {
-    let sole = &model.soles[s];
-    let link = &ws.links[sole.link.0];
+fn free_motion(ws: &Workspace, floor: &Matrix3<f64>, s: usize, out: &mut Reduced) {
+    let link = &ws.links[out.links[s].0];
     let r = out.reference[s] - ws.position;
     let a0 = &mut out.a0[6 * s..6 * s + 6];
     write_in_floor_axes(&floor.transpose(), &classical(&link.drift, &link.velocity, &r), a0);
     let mut sum: [f64; 6] = std::array::from_fn(|i| a0[i]);
     let y = &out.y[out.y_start[s]..out.y_start[s + 1]];
-    for (y, &k) in y.iter().zip(ws.support(sole.link)) {
+    for (y, &k) in y.iter().zip(ws.support(out.links[s])) {
         let half = out.half[k];
         sum.iter_mut().zip(y).for_each(|(a, y)| *a += y * half);
     }
@@ -205,8 +222,8 @@ fn free_motion(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, s: usize, ou
 }
 
 /// Removes the prescribed velocities from Y of one sole.
-fn remove_prescribed(model: &Model, ws: &Workspace, s: usize, out: &mut Reduced) {
-    let chain = ws.support(model.soles[s].link);
+fn remove_prescribed(ws: &Workspace, s: usize, out: &mut Reduced) {
+    let chain = ws.support(out.links[s]);
     for k in &out.prescribed {
         if let Ok(e) = chain.binary_search(k) {
             out.y[out.y_start[s] + e] = [0.0; 6];
@@ -216,10 +233,10 @@ fn remove_prescribed(model: &Model, ws: &Workspace, s: usize, out: &mut Reduced)
 
 /// Generalised force of sole wrenches on velocity `k`, `(J^T w)_k`; `w` has length 6F. Needs
 /// [`geometry`].
-pub fn load(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, reduced: &Reduced, w: &[f64], k: usize) -> f64 {
+pub fn load(ws: &Workspace, floor: &Matrix3<f64>, reduced: &Reduced, w: &[f64], k: usize) -> f64 {
     let mut sum = 0.0;
-    for (s, sole) in model.soles.iter().enumerate() {
-        if ws.support(sole.link).binary_search(&k).is_ok() {
+    for (s, link) in reduced.links.iter().enumerate() {
+        if ws.support(*link).binary_search(&k).is_ok() {
             let vector = |at: usize| floor * Vector3::new(w[6 * s + at], w[6 * s + at + 1], w[6 * s + at + 2]);
             let axis = &ws.axes[k];
             let r = reduced.reference[s] - ws.position;
@@ -230,8 +247,8 @@ pub fn load(model: &Model, ws: &Workspace, floor: &Matrix3<f64>, reduced: &Reduc
 }
 
 /// Block (s, other) of W and its mirror image.
-fn block(model: &Model, ws: &Workspace, s: usize, other: usize, out: &mut Reduced) {
-    let (a, b) = (ws.support(model.soles[s].link), ws.support(model.soles[other].link));
+fn block(ws: &Workspace, s: usize, other: usize, out: &mut Reduced) {
+    let (a, b) = (ws.support(out.links[s]), ws.support(out.links[other]));
     let shared = a.iter().zip(b).take_while(|(i, j)| i == j).count();
     let ya = &out.y[out.y_start[s]..][..shared];
     let yb = &out.y[out.y_start[other]..][..shared];
@@ -258,12 +275,12 @@ fn block(model: &Model, ws: &Workspace, s: usize, other: usize, out: &mut Reduce
 
 /// Adds `M^-1 J^T w` to `out`, of length nv: accelerations for wrenches `w`, velocity jumps for
 /// impulses. `w` has length 6F. Needs [`assemble`].
-pub fn apply(model: &Model, ws: &Workspace, reduced: &mut Reduced, w: &[f64], out: &mut [f64]) {
+pub fn apply(ws: &Workspace, reduced: &mut Reduced, w: &[f64], out: &mut [f64]) {
     reduced.half.fill(0.0);
-    for (s, sole) in model.soles.iter().enumerate() {
+    for (s, link) in reduced.links.iter().enumerate() {
         let w = &w[6 * s..6 * s + 6];
         let y = &reduced.y[reduced.y_start[s]..reduced.y_start[s + 1]];
-        for (y, &k) in y.iter().zip(ws.support(sole.link)) {
+        for (y, &k) in y.iter().zip(ws.support(*link)) {
             reduced.half[k] += y.iter().zip(w).map(|(y, w)| y * w).sum::<f64>();
         }
     }

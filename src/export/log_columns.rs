@@ -131,7 +131,7 @@ impl<'a> Columns<'a> {
     }
 
     fn sole(&mut self, sole: &'a SoleSeries) {
-        let of_sole = format!("sole.{}", sole.name);
+        let of_sole = format!("{}.{}", if sole.is_link { "link" } else { "sole" }, sole.name);
         self.0.push(LogColumn { name: format!("{of_sole}.state"), get: Get::Text(&sole.state) });
         self.vector(&format!("{of_sole}.force_"), "N", &sole.force);
         for (v, vertex) in sole.vertices.iter().enumerate() {

@@ -70,7 +70,14 @@ fn messages() -> Vec<DescriptorProto> {
                 one(7, "force", VECTOR3),
             ],
         ),
-        message("Contact", [one(1, "time", DOUBLE), many(2, "soles", FieldType::Message("Sole"))]),
+        message(
+            "Contact",
+            [
+                one(1, "time", DOUBLE),
+                many(2, "soles", FieldType::Message("Sole")),
+                many(3, "links", FieldType::Message("Sole")),
+            ],
+        ),
         message(
             "Residual",
             [

@@ -153,6 +153,9 @@ pub struct Contact {
     /// The soles in the model's order.
     #[prost(message, repeated, tag = "2")]
     pub soles: Vec<Sole>,
+    /// Other links that touch the floor or are about to, by name; their vertices change.
+    #[prost(message, repeated, tag = "3")]
+    pub links: Vec<Sole>,
 }
 
 /// Residuals and energy balance at one tick, topic `/residual`.

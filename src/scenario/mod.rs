@@ -55,7 +55,7 @@ pub use format::{
     random::{Distribution, RandomSpec, Sampling},
     robot::{
         BaseSpec, InertiaSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec,
-        SoleSpec,
+        SoleSpec, TouchingParts,
     },
     run::{FallenRule, LogSpec, LogTopic, StopSpec, SunkLink},
     self_collision::SelfCollisionSpec,

@@ -50,6 +50,8 @@ pub struct Snapshot {
     pub points: Vec<PointOfInterest>,
     /// One per sole, in the model's order.
     pub soles: Vec<SoleSnapshot>,
+    /// Other links that touch the floor or are about to: name, and a face of the link's hull.
+    pub links: Vec<(String, SoleSnapshot)>,
     /// External forces now acting: point, force.
     pub external: Vec<(Vector3<f64>, Vector3<f64>)>,
     /// Residuals of the contact laws.

@@ -1,5 +1,6 @@
 //! States of the robot saved and restored by scenario events.
 
+use super::contact_states::link_contacts::{LinkContacts, LinkPolygon};
 use super::plant::Plant;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, States};
@@ -10,6 +11,8 @@ use nalgebra::{Vector2, Vector3};
 #[derive(Clone)]
 pub struct SavedState {
     state: State,
+    /// Polygons of links, to be set before the state is restored.
+    pub polygons: Vec<LinkPolygon>,
     states: States,
     directions: Vec<Vec<Vector2<f64>>>,
     fast_slips: [u64; MAX_SOLES],
@@ -24,6 +27,7 @@ impl SavedState {
     pub fn new(plant: &Plant, anchors: &[Vec<Vector3<f64>>]) -> Self {
         SavedState {
             state: plant.state.clone(),
+            polygons: Vec::new(),
             states: plant.states,
             directions: plant.directions.clone(),
             fast_slips: plant.fast_slips,
@@ -34,17 +38,24 @@ impl SavedState {
     }
 
     /// Saves the present state.
-    pub fn save(&mut self, plant: &Plant, anchors: &[Vec<Vector3<f64>>], suspect: &[u8; MAX_SOLES]) {
+    pub fn save(
+        &mut self,
+        plant: &Plant,
+        anchors: &[Vec<Vector3<f64>>],
+        suspect: &[u8; MAX_SOLES],
+        links: Option<&LinkContacts>,
+    ) {
+        self.polygons = links.map_or(Vec::new(), |links| links.present.clone());
         self.state.copy_from(&plant.state);
         self.states = plant.states;
-        copy(&mut self.directions, &plant.directions);
+        self.directions.clone_from(&plant.directions);
         self.fast_slips = plant.fast_slips;
-        copy(&mut self.anchors, anchors);
+        anchors.clone_into(&mut self.anchors);
         self.suspect = *suspect;
         self.solution.copy_from(&plant.solution);
     }
 
-    /// Restores the state at the plant's present time. Kinematic joints stay on their commanded
+    /// Restores the state at the plant's present time. The plant must have the saved polygons. Kinematic joints stay on their commanded
     /// motion.
     pub fn restore(&self, plant: &mut Plant, anchors: &mut [Vec<Vector3<f64>>], suspect: &mut [u8; MAX_SOLES]) {
         let time = plant.state.time;

@@ -2,7 +2,7 @@
 
 use super::carried_object::CarriedObject;
 use super::command_source::CommandSource;
-use super::floor::Floor;
+use super::floor::{Floor, LinkHull};
 use super::plant::PlantSetup;
 use super::scenario_event::ScenarioEvent;
 use super::self_collision::SelfCollisionSetup;
@@ -132,6 +132,8 @@ pub struct Setup {
     pub log_rate: f64,
     /// End the run when the base is lower than this above the floor, m.
     pub fallen_below: Option<f64>,
+    /// Links that touch the floor besides the soles; none: only soles do.
+    pub touching_links: Option<Vec<LinkHull>>,
     /// End the run when a link of a robot with a floating base has sunk through the floor.
     pub ends_when_sunk: bool,
     /// Notes for the user.
@@ -187,6 +189,7 @@ impl Setup {
             duration: 1.0,
             log_rate: 0.0,
             fallen_below: None,
+            touching_links: None,
             ends_when_sunk: true,
             notes: Vec::new(),
             model,

@@ -1,6 +1,7 @@
 //! One run from start to end.
 
 use super::carried_object::CarriedObjects;
+use super::contact_states::link_contacts::LinkContacts;
 use super::event_kind::EventKind;
 use super::floor::SunkLinks;
 use super::measure::energy_balance::EnergyAccount;
@@ -109,7 +110,8 @@ impl Simulation {
             saved: Vec::new(),
             duration: setup.duration,
             fallen_below: setup.fallen_below,
-            sunk_links: setup.ends_when_sunk.then(|| SunkLinks::new(&model)),
+            sunk_links: (setup.ends_when_sunk && setup.touching_links.is_none()).then(|| SunkLinks::new(&model)),
+            links: setup.touching_links.map(|hulls| Box::new(LinkContacts::new(hulls))),
             last_collision: f64::NEG_INFINITY,
             stall_guard: StallGuard::default(),
             plant,

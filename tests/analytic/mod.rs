@@ -6,6 +6,7 @@ mod breakaway;
 mod energy;
 mod estimators;
 mod events;
+mod fallen;
 mod feet;
 mod flight;
 mod force_sensor;

@@ -90,8 +90,8 @@ fn dynamics_allocates_nothing_after_the_workspace() {
             factor::factorize_shifted(&mut ws, &[0.1; 64][..nv]).unwrap();
             factor::solve(&ws, &mut x);
             ws.mass.multiply(&tau, &mut x);
-            reduced::assemble(&model, &ws, &Matrix3::identity(), &tau, &mut problem);
-            reduced::apply(&model, &ws, &mut problem, &wrench, &mut vdot);
+            reduced::assemble(&ws, &Matrix3::identity(), &tau, &mut problem);
+            reduced::apply(&ws, &mut problem, &wrench, &mut vdot);
             kinematics::accelerations(&mut ws, &vdot);
             link_force::accumulate(&ws, link, &point, &point, &point, &mut x);
             jacobian::frame(&ws, link, &point, &mut frame);

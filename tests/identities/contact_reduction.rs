@@ -9,7 +9,7 @@ use stiction::robot::{Model, SoleId};
 fn assembled(model: &Model, state: &State, floor: &Matrix3<f64>, tau: &[f64]) -> (Workspace, Reduced) {
     let ws = prepared(model, state);
     let mut out = Reduced::new(model, &ws);
-    reduced::assemble(model, &ws, floor, tau, &mut out);
+    reduced::assemble(&ws, floor, tau, &mut out);
     (ws, out)
 }
 
@@ -105,7 +105,7 @@ fn applying_wrenches_gives_the_accelerations_predicted_by_w() {
         let (ws, mut out) = assembled(&model, &state, &floor, &tau);
         let w = r.list(6 * out.n, 10.0);
         let mut vdot = out.free.clone();
-        reduced::apply(&model, &ws, &mut out, &w, &mut vdot);
+        reduced::apply(&ws, &mut out, &w, &mut vdot);
 
         let j = dense_jacobian(&model, &ws, &out, &floor);
         let mut truth: Vec<f64> = tau.iter().zip(&ws.bias).map(|(t, h)| t - h).collect();

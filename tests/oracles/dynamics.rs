@@ -117,7 +117,7 @@ fn frames(oracle: &Oracle, subject: &Subject, truth: &Configuration, ws: &mut Wo
 
 fn contact(subject: &Subject, truth: &Configuration, ws: &Workspace) {
     let mut problem = Reduced::new(&subject.model, ws);
-    reduced::assemble(&subject.model, ws, &matrix(&truth.floor), &subject.ours(&truth.tau), &mut problem);
+    reduced::assemble(ws, &matrix(&truth.floor), &subject.ours(&truth.tau), &mut problem);
     let size = 6 * problem.n;
     let lower = (0..size).flat_map(|i| (0..=i).map(move |j| i + size * j));
     let w: Vec<f64> = lower.map(|at| problem.w[at]).collect();

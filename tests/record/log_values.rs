@@ -6,7 +6,7 @@ use mcap::MessageStream;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use stiction::log::{LogWriter, TopicGroups, messages, ros};
 use stiction::robot::Base;
-use stiction::sim::{Observer, Snapshot};
+use stiction::sim::{Observer, Snapshot, SoleSnapshot};
 
 const TICKS: usize = 6;
 
@@ -86,7 +86,7 @@ fn state_equals_the_snapshot_to_the_last_bit() {
 fn contact_equals_the_soles_to_the_last_bit() {
     let names = sample::model().soles.into_iter().map(|s| s.name).collect::<Vec<_>>();
     for (found, s) in protobuf::<messages::Contact>("/contact").iter().zip(snapshots()) {
-        let soles = s.soles.iter().zip(&names).map(|(sole, name)| {
+        let message = |(sole, name): (&SoleSnapshot, &String)| {
             // Summed by hand, in the order of the vertices.
             let force = sole.forces.iter().fold(Vector3::zeros(), |sum, f| sum + f);
             messages::Sole {
@@ -98,8 +98,10 @@ fn contact_equals_the_soles_to_the_last_bit() {
                 forces: messages_of(&sole.forces),
                 force: Some(message_of(&force)),
             }
-        });
-        assert_eq!(found, &messages::Contact { time: s.time, soles: soles.collect() });
+        };
+        let soles = s.soles.iter().zip(&names).map(message).collect();
+        let links = s.links.iter().map(|(name, link)| message((link, name))).collect();
+        assert_eq!(found, &messages::Contact { time: s.time, soles, links });
     }
 }
 
@@ -265,9 +267,14 @@ fn markers_show_forces_clamped_vertices_and_balance() {
     let model = sample::model();
     // An arrow of half a metre represents the weight.
     let metres_per_newton = 0.5 / (model.mass() * 9.806_65);
+    let mut any_link = false;
     for (scene, s) in protobuf::<SceneUpdate>("/scene/contact").iter().zip(snapshots()) {
-        assert_eq!(scene.entities.len(), 5);
-        for (sole, name) in s.soles.iter().zip(["left", "toe"]) {
+        // Links have an entity once one has touched.
+        any_link |= !s.links.is_empty();
+        assert_eq!(scene.entities.len(), 5 + usize::from(any_link));
+        let nothing = SoleSnapshot::default();
+        let link = any_link.then(|| (s.links.first().map_or(&nothing, |(_, link)| link), "links"));
+        for (sole, name) in s.soles.iter().zip(["left", "toe"]).chain(link) {
             let drawn = entity(scene, &format!("contact/{name}"));
             let clamped: Vec<_> = sole.positions.iter().zip(&sole.clamped).filter(|(_, c)| **c).collect();
             assert_eq!(drawn.spheres.len(), clamped.len());
@@ -287,6 +294,7 @@ fn markers_show_forces_clamped_vertices_and_balance() {
                 );
             }
         }
+        assert!(any_link || s.time == 0.0);
         assert_eq!(entity(scene, "external").arrows.len(), s.external.len());
         let balance = entity(scene, "balance");
         let points = [s.centre_of_pressure, s.stable_point];

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use std::path::Path;
 use stiction::log::{LogError, LogWriter, TopicGroups, Trajectory, messages};
 use stiction::robot::JointKind;
-use stiction::sim::{Observer, Snapshot};
+use stiction::sim::{Observer, Snapshot, SoleSnapshot};
 
 const TICKS: usize = 300;
 
@@ -86,9 +86,15 @@ fn the_soles_are_read_to_the_last_bit() {
     let soles = written(TICKS, TopicGroups::ALL).soles.unwrap();
     assert_eq!(
         soles.iter().map(|s| (s.name.as_str(), s.vertices.len())).collect::<Vec<_>>(),
-        [("left", 4), ("toe", 1)]
+        [("left", 4), ("toe", 1), ("shank", 0)]
     );
-    for (i, sole) in soles.iter().enumerate() {
+    // The link is free where the log does not have it.
+    let free = || SoleSnapshot { state: "free".into(), ..SoleSnapshot::default() };
+    let link = |s: &Snapshot| s.links.first().map_or_else(free, |(_, link)| link.clone());
+    assert!(soles[2].is_link && !soles[0].is_link);
+    assert_eq!(soles[2].state, snapshots().map(|s| link(&s).state).collect::<Vec<_>>());
+    same_vectors(&soles[2].force, |s| link(s).forces.iter().sum());
+    for (i, sole) in soles.iter().enumerate().take(2) {
         assert_eq!(sole.state, snapshots().map(|s| s.soles[i].state.clone()).collect::<Vec<_>>());
         same_vectors(&sole.force, |s| s.soles[i].forces.iter().sum());
         for (k, vertex) in sole.vertices.iter().enumerate() {

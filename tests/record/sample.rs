@@ -183,6 +183,16 @@ pub fn snapshot(tick: usize) -> Snapshot {
             PointOfInterest { name: "goal".into(), position: Some(vector(tick, 420)) },
             PointOfInterest { name: "now and then".into(), position: (tick % 4 == 1).then(|| vector(tick, 430)) },
         ],
+        // A link touches at every third tick, with changing vertices.
+        links: if tick % 3 == 1 {
+            let all = |n: usize| (0..=tick % 2).map(|i| vector(tick, n + 3 * i)).collect();
+            let (positions, velocities, forces) = (all(600), all(610), all(620));
+            let clamped = vec![true; tick % 2 + 1];
+            let state = "vertex-0-static".into();
+            vec![("shank".into(), SoleSnapshot { state, clamped, positions, velocities, forces })]
+        } else {
+            Vec::new()
+        },
         soles: model
             .soles
             .iter()

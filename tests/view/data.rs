@@ -109,7 +109,11 @@ fn numbers_equal_those_of_the_log() {
         assert_eq!(nearest["pairs"][code], pair.as_str());
     }
     assert_eq!(nearest["margin"].as_f64(), Some(0.0), "the sample's scenario has no margin");
-    for (i, sole) in page.head["soles"].as_array().unwrap().iter().enumerate() {
+    let soles = page.head["soles"].as_array().unwrap();
+    assert_eq!((soles.len(), soles[2]["states"].as_array().unwrap().len()), (3, 2), "two soles and a link");
+    let of_link = |s: &Snapshot| s.links.first().map_or(Vector3::zeros(), |(_, link)| link.forces.iter().sum());
+    assert_same_numbers(&page.floats(&soles[2]["force"]), each(all.iter().map(of_link)));
+    for (i, sole) in soles.iter().enumerate().take(2) {
         let states = sole["states"].as_array().unwrap();
         let codes = page.bytes(&sole["state"], 1);
         for (code, s) in codes.iter().zip(&all) {

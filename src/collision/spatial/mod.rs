@@ -14,3 +14,4 @@ pub use model::{CollisionModel, DroppedPair, Pair, WhyPair};
 pub use oriented_box::OrientedBox;
 pub use pair_search::Search;
 pub use polytope::Polytope;
+pub use tessellate::points as shape_points;

@@ -17,7 +17,7 @@ use crate::math;
 use crate::robot::{Geometry, Shape};
 
 /// Points of a shape in the frame of its pose, m; `n` corners to a circle, at least 3.
-pub(super) fn points(shape: &Shape, n: usize) -> Vec<Vector3<f64>> {
+pub fn points(shape: &Shape, n: usize) -> Vec<Vector3<f64>> {
     let own: Vec<Vector3<f64>> = match &shape.geometry {
         Geometry::Box(size) => (0..8).map(|k| corner(&(size / 2.0), k)).collect(),
         Geometry::Cylinder(radius, length) => {

@@ -33,12 +33,12 @@ impl Solution {
         }
     }
 
-    /// Copies another solution of the same size.
+    /// Copies another solution. Allocates only if that is larger.
     pub fn copy_from(&mut self, other: &Solution) {
-        self.wrench.copy_from_slice(&other.wrench);
-        self.motion.copy_from_slice(&other.motion);
-        self.normal.iter_mut().zip(&other.normal).for_each(|(to, from)| to.copy_from_slice(from));
-        self.tangent.iter_mut().zip(&other.tangent).for_each(|(to, from)| to.copy_from_slice(from));
+        self.wrench.clone_from(&other.wrench);
+        self.motion.clone_from(&other.motion);
+        self.normal.clone_from(&other.normal);
+        self.tangent.clone_from(&other.tangent);
         self.inside = other.inside;
     }
 

@@ -125,6 +125,8 @@ pub struct JointSeries {
 pub struct SoleSeries {
     /// Name in the robot file.
     pub name: String,
+    /// Another link that touches, not a sole. It has no vertices, as they change.
+    pub is_link: bool,
     /// `free`, or pattern and mode, such as `face-static`.
     pub state: Vec<String>,
     /// Sum of the floor's forces on the vertices, N.

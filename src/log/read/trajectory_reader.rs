@@ -12,7 +12,7 @@ use crate::log::read::trajectory::{
 };
 use crate::log::read::{estimate_series, self_collision_series};
 use prost::Message as _;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 impl Trajectory {
@@ -254,11 +254,30 @@ fn soles(rows: &[Contact]) -> Vec<SoleSeries> {
     };
     let sole = |(s, of_first): (usize, &Sole)| SoleSeries {
         name: of_first.name.clone(),
+        is_link: false,
         state: of(s).map(|sole| sole.state.clone()).collect(),
         force: of(s).map(|sole| vector_or_zero(&sole.force)).collect(),
         vertices: (0..of_first.positions.len()).map(|v| vertex(s, v)).collect(),
     };
-    first.soles.iter().enumerate().map(sole).collect()
+    first.soles.iter().enumerate().map(sole).chain(links(rows)).collect()
+}
+
+/// States and forces of the other links that touch at some tick; their vertices change and are left
+/// out.
+fn links(rows: &[Contact]) -> impl Iterator<Item = SoleSeries> {
+    let names: BTreeSet<&str> = rows.iter().flat_map(|row| row.links.iter().map(|link| link.name.as_str())).collect();
+    names.into_iter().map(|name| {
+        let of = || rows.iter().map(|row| row.links.iter().find(|link| link.name == name));
+        SoleSeries {
+            name: name.to_owned(),
+            is_link: true,
+            state: of().map(|link| link.map_or("free".to_owned(), |link| link.state.clone())).collect(),
+            force: of()
+                .map(|link| link.map_or(nalgebra::Vector3::zeros(), |link| vector_or_zero(&link.force)))
+                .collect(),
+            vertices: Vec::new(),
+        }
+    })
 }
 
 fn event(e: Event) -> LoggedEvent {

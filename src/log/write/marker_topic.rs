@@ -30,12 +30,16 @@ const STANDARD_GRAVITY: f64 = 9.806_65;
 
 pub(super) struct MarkerTopic {
     channel: Channel,
-    /// One entity per sole, then external forces, then balance, then points of tasks.
+    /// One entity per sole, then external forces, then balance, then points of tasks, then other links
+    /// once any has touched.
     message: SceneUpdate,
     metres_per_newton: f64,
     /// Diameter of a vertex marker, m.
     size: f64,
 }
+
+/// Number of entities after those of the soles, without links.
+const OTHERS: usize = 3;
 
 impl MarkerTopic {
     pub fn open(output: &mut LogOutput, model: &Model) -> Result<Self, RecordError> {
@@ -67,11 +71,20 @@ impl Topic for MarkerTopic {
             to.arrows.clear();
             to.spheres.clear();
         }
+        if !s.links.is_empty() && self.message.entities.len() == s.soles.len() + OTHERS {
+            let frame = self.message.entities[s.soles.len()].frame_id.clone();
+            self.message
+                .entities
+                .push(SceneEntity { timestamp: Some(stamp), ..entity(&frame, "contact/links".to_owned()) });
+        }
         let (soles, others) = self.message.entities.split_at_mut(s.soles.len());
         for (to, sole) in soles.iter_mut().zip(&s.soles) {
             draw_sole(sole, self.size, self.metres_per_newton, to);
         }
-        if let [external, balance, points] = others {
+        if let [external, balance, points, links @ ..] = others {
+            if let [to, ..] = links {
+                s.links.iter().for_each(|(_, link)| draw_sole(link, self.size, self.metres_per_newton, to));
+            }
             for (at, force) in &s.external {
                 external.arrows.extend(arrow(at, force, self.metres_per_newton, EXTERNAL));
             }

@@ -44,6 +44,9 @@ pub struct RobotSpec {
     /// Soles that replace the robot's; an empty list means no contact. Left out: the robot's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub soles: Option<Vec<SoleSpec>>,
+    /// What touches the floor.
+    #[serde(default)]
+    pub contact: TouchingParts,
     /// Treatment of inertias that no body can have. Left out: as in the robot file, else
     /// `"refuse"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -111,6 +114,18 @@ impl Default for JointDefault {
     fn default() -> Self {
         JointDefault { mode: JointMode::Position, kp: 100.0, kd: 5.0 }
     }
+}
+
+/// The parts of a robot that touch the floor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum TouchingParts {
+    /// The soles only.
+    #[default]
+    Soles,
+    /// The soles, and the convex hulls of the collision shapes of all links. Corners of a hull within
+    /// 1 cm of a sole of its link are left out. Round shapes are polyhedra, as for self-collision.
+    Bodies,
 }
 
 /// Behaviour at a joint's position limits.

@@ -7,15 +7,17 @@ use crate::sim::run::RunState;
 /// Stores the positions of the vertices of sole `s`. Where events are located, touching vertices
 /// are placed on the floor itself.
 pub fn anchor(sim: &mut RunState, s: usize) {
+    (0..sim.anchors[s].len()).for_each(|i| anchor_vertex(sim, s, i));
+}
+
+/// Stores the position of one vertex.
+pub fn anchor_vertex(sim: &mut RunState, s: usize, i: usize) {
     let on_floor = if sim.locates_events() { 2.0 * sim.tolerances.distance } else { 0.0 };
-    let sole = &sim.plant.problem.soles[s];
-    let origin = sim.plant.sole_origin(s);
-    for (anchor, v) in sim.anchors[s].iter_mut().zip(&sole.vertices) {
-        *anchor = origin + v.r;
-        if anchor.z.abs() <= on_floor {
-            anchor.z = 0.0;
-        }
+    let mut anchor = sim.plant.sole_origin(s) + sim.plant.problem.soles[s].vertices[i].r;
+    if anchor.z.abs() <= on_floor {
+        anchor.z = 0.0;
     }
+    sim.anchors[s][i] = anchor;
 }
 
 impl RunState {
@@ -25,7 +27,7 @@ impl RunState {
         if self.is_clamped() {
             self.solve_velocity_errors();
             let plant = &mut self.plant;
-            reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &self.projection.wrench, &mut plant.state.v);
+            reduced::apply(&plant.ws, &mut plant.reduced, &self.projection.wrench, &mut plant.state.v);
             self.project_position();
         }
     }
@@ -65,7 +67,7 @@ impl RunState {
         }
         plant.method.respond(p, &plant.states, &mut self.projection);
         self.displacement.fill(0.0);
-        reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &self.projection.wrench, &mut self.displacement);
+        reduced::apply(&plant.ws, &mut plant.reduced, &self.projection.wrench, &mut self.displacement);
         plant.state.displace(&self.displacement);
     }
 }

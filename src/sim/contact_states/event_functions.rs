@@ -1,6 +1,7 @@
 //! Event functions of a run's contact, see [`crate::contact::hybrid::events`].
 
-use crate::contact::hybrid::events::{ContactInForce, EventFunctions, FrictionBorders, sinks};
+use super::link_contacts::LinkContacts;
+use crate::contact::hybrid::events::{ContactInForce, EventFunctions, FrictionBorders, LinkGaps, sinks};
 use crate::contact::model::state::MAX_SOLES;
 use crate::sim::plant::Plant;
 use crate::sim::run::RunState;
@@ -20,9 +21,23 @@ impl FrictionBorders for Plant {
     }
 }
 
+/// Links of a plant that may touch.
+struct Links<'a>(&'a Plant, &'a LinkContacts);
+
+impl LinkGaps for Links<'_> {
+    fn number(&self) -> usize {
+        self.1.number()
+    }
+
+    fn gap(&self, link: usize) -> f64 {
+        self.1.gap(self.0, link)
+    }
+}
+
 /// Calls `f` with the present contact of a run.
 fn with_contact<T>(sim: &RunState, f: impl FnOnce(&ContactInForce) -> T) -> T {
     let plant = &sim.plant;
+    let links = sim.links.as_ref().map(|links| Links(plant, links));
     f(&ContactInForce {
         problem: &plant.problem,
         states: &plant.states,
@@ -31,6 +46,7 @@ fn with_contact<T>(sim: &RunState, f: impl FnOnce(&ContactInForce) -> T) -> T {
         tolerances: &sim.tolerances,
         is_compliant: plant.is_compliant(),
         regions: (!plant.floor.patches.is_empty()).then_some(plant),
+        links: links.as_ref().map(|links| links as &dyn LinkGaps),
         is_imposed: &|s| sim.is_imposed(s),
     })
 }

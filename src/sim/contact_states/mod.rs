@@ -1,5 +1,5 @@
-//! Choice of contact states at an instant: impacts, imposed states, compliant floors, problem
-//! reports.
+//! Choice of contact states at an instant: links that touch, impacts, imposed states, compliant
+//! floors, problem reports.
 //!
 //! The laws are pure functions of contact problems in [`crate::contact`]. This module applies them
 //! to the plant of a run, counts selections, and reports events.
@@ -11,6 +11,8 @@ mod drift_projection;
 pub mod event_functions;
 mod friction;
 mod imposed;
+pub mod link_contacts;
+mod link_polygons;
 mod painleve;
 mod problem_report;
 mod rest_detection;

@@ -79,7 +79,7 @@ impl RunState {
         self.metrics.jams += 1;
         let (s, i) = load.at;
         let message = format!("vertex {i}: normal coefficient {:.6e} 1/kg, {result}", load.value);
-        let sole = self.plant.model.soles[s].name.clone();
+        let sole = self.plant.polygons[s].name.clone();
         self.event(observer, EventKind::Jam, &sole, &message)
     }
 

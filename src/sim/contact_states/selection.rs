@@ -27,6 +27,7 @@ impl RunState {
     /// Chooses the contact states at the plant's present state, with impacts where vertices hit the
     /// floor, and leaves the plant evaluated.
     pub(in crate::sim) fn choose_states(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        self.update_link_polygons(None)?;
         if self.plant.is_compliant() {
             self.plant.evaluate();
             return self.read_compliant_states(observer);
@@ -238,7 +239,7 @@ impl RunState {
                 first.get_or_insert(t);
             }
             self.metrics.state_changes += 1;
-            let subject = self.plant.model.soles[s].name.clone();
+            let subject = self.plant.polygons[s].name.clone();
             self.event(observer, kind, &subject, &format!("{old} to {new}"))?;
             if new != SoleState::FREE {
                 anchor(self, s);

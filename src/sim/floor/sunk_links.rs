@@ -42,19 +42,30 @@ impl Round {
         self.axis.map_or(self.radius, |axis| self.radius * up.cross(&axis).norm())
     }
 
-    /// Whether it comes near to a sole: to its plane, or to the points of one without a plane.
+    /// Whether it comes near to a sole.
     fn is_near(&self, sole: &Sole) -> bool {
-        let middle = sole.centroid();
-        let side = |i: usize| sole.vertices[i] - middle;
-        let normal = (2..sole.vertices.len())
-            .map(|i| side(0).cross(&side(i)))
-            .max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()))
-            .and_then(|normal| normal.try_normalize(0.0));
-        match normal {
-            Some(normal) => normal.dot(&(self.centre - middle)).abs() - self.reach(&normal) <= NEAR_SOLE,
-            None => sole.vertices.iter().any(|v| (self.centre - v).norm() - self.radius <= NEAR_SOLE),
-        }
+        is_near_sole(sole, &self.centre, |normal| self.reach(normal), self.radius)
     }
+}
+
+/// Whether a convex part of a link about `centre` comes near to a sole: to its plane, or to the points
+/// of one without a plane. `reach` is its extent along a direction, `radius` the greatest.
+fn is_near_sole(sole: &Sole, centre: &Vector3<f64>, reach: impl Fn(&Vector3<f64>) -> f64, radius: f64) -> bool {
+    let middle = sole.centroid();
+    let side = |i: usize| sole.vertices[i] - middle;
+    let normal = (2..sole.vertices.len())
+        .map(|i| side(0).cross(&side(i)))
+        .max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()))
+        .and_then(|normal| normal.try_normalize(0.0));
+    match normal {
+        Some(normal) => normal.dot(&(centre - middle)).abs() - reach(&normal) <= NEAR_SOLE,
+        None => sole.vertices.iter().any(|v| (centre - v).norm() - radius <= NEAR_SOLE),
+    }
+}
+
+/// Whether a point of a link is near to one of the link's soles.
+pub(super) fn is_point_near_soles(model: &Model, link: LinkId, point: &Vector3<f64>) -> bool {
+    model.soles.iter().any(|sole| sole.link == link && is_near_sole(sole, point, |_| 0.0, 0.0))
 }
 
 /// Balls and discs of one link, and a ball around them.

@@ -47,6 +47,11 @@ impl Milestones {
         self.states = self.states.filter(|_| !restored);
     }
 
+    /// Continues with other polygons, which have these states.
+    pub fn replace_states(&mut self, states: &States) {
+        self.states = self.states.map(|_| *states);
+    }
+
     /// Evaluates the end of a step. Needs kinematics at the plant's state.
     pub fn record_step(&mut self, plant: &Plant, m: &mut Metrics) {
         let soles = plant.problem.soles.len();
@@ -104,7 +109,9 @@ impl Milestones {
             return;
         }
         let normal = plant.floor.rotation.column(2).into_owned();
-        m.final_normal_force_n = Some(last.soles.iter().flat_map(|s| &s.forces).map(|f| f.dot(&normal)).sum());
+        let links = last.links.iter().map(|(_, link)| link);
+        let forces = last.soles.iter().chain(links).flat_map(|s| &s.forces);
+        m.final_normal_force_n = Some(forces.map(|f| f.dot(&normal)).sum());
         let fall = normal.dot(&plant.gravity);
         m.final_cop_offset_m = last.centre_of_pressure.filter(|_| fall != 0.0).map(|cop| {
             let foot = com - plant.gravity * (plant.floor.height(&com) / fall);

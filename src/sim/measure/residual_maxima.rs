@@ -93,6 +93,14 @@ impl ResidualMaxima {
         }
     }
 
+    /// Continues with other polygons; `former` gives the former index of each that was there before.
+    pub fn replace_polygons(&mut self, former: impl Fn(usize) -> Option<usize>) {
+        let before = std::mem::take(&mut self.contact);
+        for (s, contact) in self.contact.iter_mut().enumerate() {
+            *contact = former(s).map_or(Loading::default(), |former| before[former]);
+        }
+    }
+
     /// Records the error of the energy balance at time `t`, s.
     pub fn record_energy_error(&mut self, t: f64, error: f64) {
         let dt = t - std::mem::replace(&mut self.energy_time, t);

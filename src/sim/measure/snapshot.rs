@@ -108,7 +108,18 @@ pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
     let (mut load, mut moment) = (0.0, Vector3::zeros());
     let plane = plant.floor.plane();
     out.support_polygon.clear();
-    for (s, sole) in out.soles.iter_mut().enumerate() {
+    let links = &plant.polygons[model.soles.len()..];
+    out.links.resize_with(links.len(), Default::default);
+    for ((name, link), polygon) in out.links.iter_mut().zip(links) {
+        let k = polygon.vertices.len();
+        name.clone_from(&polygon.name);
+        link.clamped.resize(k, false);
+        [&mut link.positions, &mut link.velocities, &mut link.forces]
+            .into_iter()
+            .for_each(|list| list.resize(k, Vector3::zeros()));
+    }
+    let all = out.soles.iter_mut().chain(out.links.iter_mut().map(|(_, link)| link));
+    for (s, sole) in all.enumerate() {
         let p = &plant.problem.soles[s];
         let k = p.vertices.len();
         let contact = plant.states[s];

@@ -47,14 +47,19 @@ impl Plant {
         changed
     }
 
+    /// Gives a new vertex the friction of its region. Needs the vertices.
+    pub fn begin_friction(&mut self, s: usize, i: usize) {
+        let region = self.floor.region(&self.seen_from_above(s, i));
+        self.regions[s][i] = VertexRegion::new(region);
+        let v = &mut self.problem.soles[s].vertices[i];
+        (v.mu_s, v.mu_k) = self.floor.friction(region);
+    }
+
     /// Assigns every vertex the friction of its region and forgets its history. Needs the vertices.
     pub fn reset_friction(&mut self) {
         for s in 0..self.problem.soles.len() {
             for i in 0..self.problem.soles[s].vertices.len() {
-                let region = self.floor.region(&self.seen_from_above(s, i));
-                self.regions[s][i] = VertexRegion::new(region);
-                let v = &mut self.problem.soles[s].vertices[i];
-                (v.mu_s, v.mu_k) = self.floor.friction(region);
+                self.begin_friction(s, i);
             }
         }
     }

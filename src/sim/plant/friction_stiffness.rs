@@ -99,7 +99,7 @@ impl Plant {
             let row = &mut out.rows[r];
             row.fill(0.0);
             self.layout.configuration_rates(self.state.rotation.quaternion(), &self.state.v, row);
-            for &k in self.ws.support(self.model.soles[s].link) {
+            for &k in self.ws.support(self.polygons[s].link) {
                 row[velocities.start + k] = gradient.dot(&jacobian::column(&self.ws, k, &point).linear);
             }
             self.kinematic_paths.joints().iter().for_each(|j| self.layout.hold(*j, row));

@@ -130,7 +130,7 @@ impl Plant {
         }
         let before = self.kinetic_energy();
         let work_before = self.prescribed_momentum_work();
-        reduced::apply(&self.model, &self.ws, &mut self.reduced, impulses, &mut self.state.v);
+        reduced::apply(&self.ws, &mut self.reduced, impulses, &mut self.state.v);
         let change = self.kinetic_energy() - before;
         let mut drives = self.prescribed_momentum_work() - work_before;
         for &k in &self.reduced.prescribed {
@@ -146,6 +146,6 @@ impl Plant {
 
     /// Generalised contact force in coordinate `k`.
     fn contact_load(&self, wrenches: &[f64], k: usize) -> f64 {
-        reduced::load(&self.model, &self.ws, &self.floor.rotation, &self.reduced, wrenches, k)
+        reduced::load(&self.ws, &self.floor.rotation, &self.reduced, wrenches, k)
     }
 }

@@ -64,7 +64,7 @@ impl Plant {
     pub fn direction_speed(&self, sole: usize) -> f64 {
         let (absolute, relative) = self.step_error;
         let error = |speed: f64| absolute + relative * speed;
-        let moving = self.ws.support(self.model.soles[sole].link).iter().filter(|&&i| i >= self.model.nb());
+        let moving = self.ws.support(self.polygons[sole].link).iter().filter(|&&i| i >= self.model.nb());
         let joints: f64 = moving.map(|&i| error(self.state.v[i].abs())).sum();
         let norm = |group: Range<usize>| self.state.v[group].iter().map(|v| v * v).sum::<f64>().sqrt();
         let base: f64 = self.layout.base_velocity_groups().map(|group| error(norm(group))).sum();

@@ -20,7 +20,7 @@ use crate::contact::search::candidate::share_static;
 use crate::dynamics::{DynamicsError, State, Workspace, crba, kinematics, reduced, rnea};
 use crate::force::{AppliedForces, Force, ForceContext, ForceError, ReportEvent};
 use crate::integrate::System;
-use crate::robot::{LinkId, Model, RigidInertia, SoleId};
+use crate::robot::{LinkId, Model, RigidInertia, Sole, SoleId};
 use crate::sim::actuation::drives::Drives;
 use crate::sim::actuation::joint_efforts::{self, JointStop};
 use crate::sim::actuation::kinematic_paths::KinematicPaths;
@@ -56,6 +56,8 @@ pub struct PlantSetup {
 pub struct Plant {
     /// The robot.
     pub model: Arc<Model>,
+    /// Polygons of links that may touch: the soles, then others in the order of `problem.soles`.
+    pub polygons: Vec<Sole>,
     /// Gravity, world.
     pub gravity: Vector3<f64>,
     /// The floor.
@@ -98,7 +100,7 @@ pub struct Plant {
     /// began to slide.
     pub fast_slips: [u64; MAX_SOLES],
     /// Friction region of each vertex, by sole and vertex; held while a step is integrated.
-    pub(super) regions: Vec<Vec<VertexRegion>>,
+    pub(in crate::sim) regions: Vec<Vec<VertexRegion>>,
     /// Speed below which a sliding vertex is at rest, m/s.
     pub rest: f64,
     /// Error that a step may make in a speed, and relative to it.
@@ -191,6 +193,7 @@ impl Plant {
             evaluations: 0,
             failure: None,
             ws,
+            polygons: model.soles.clone(),
             model,
         };
         plant.reserve_forces();
@@ -370,13 +373,13 @@ impl Plant {
         let prescribed = &self.reduced.prescribed;
         self.failure = self.dampers.factorize(&mut self.ws, &self.implicit_diagonal, prescribed).err();
         if !self.refreshed {
-            reduced::geometry(&self.model, &self.ws, &self.floor.rotation, &mut self.reduced);
+            reduced::geometry(&self.ws, &self.floor.rotation, &mut self.reduced);
         }
         if !self.reduced.prescribed.is_empty() {
             self.move_prescribed_to_right();
         }
         let tau = if self.reduced.prescribed.is_empty() { &self.tau } else { &self.scratch };
-        reduced::assemble_with_geometry(&self.model, &self.ws, &self.floor.rotation, tau, &mut self.reduced);
+        reduced::assemble_with_geometry(&self.ws, &self.floor.rotation, tau, &mut self.reduced);
         self.acceleration.copy_from_slice(&self.reduced.free);
         if self.failure.is_some() {
             self.acceleration.fill(f64::NAN);
@@ -391,7 +394,7 @@ impl Plant {
     /// Updates kinematics and vertices to `self.state`; forces stay those of the last step.
     pub fn refresh(&mut self) {
         self.update_kinematics();
-        reduced::geometry(&self.model, &self.ws, &self.floor.rotation, &mut self.reduced);
+        reduced::geometry(&self.ws, &self.floor.rotation, &mut self.reduced);
         self.update_vertices();
         self.refreshed = true;
     }
@@ -464,7 +467,7 @@ impl Plant {
 
     /// Adds the contact wrenches of the solution to the accelerations.
     pub fn close(&mut self) {
-        reduced::apply(&self.model, &self.ws, &mut self.reduced, &self.solution.wrench, &mut self.acceleration);
+        reduced::apply(&self.ws, &mut self.reduced, &self.solution.wrench, &mut self.acceleration);
         if !self.reduced.prescribed.is_empty() {
             self.drive_reactions();
         }

@@ -28,6 +28,7 @@ impl RunState {
             self.save(slot);
         }
         if let Some(slot) = event.restore {
+            self.set_link_polygons(self.saved[slot].polygons.clone())?;
             self.saved[slot].restore(&mut self.plant, &mut self.anchors, &mut self.suspect);
             self.sensors.restart();
             self.estimator.restart();
@@ -54,6 +55,6 @@ impl RunState {
 
     /// Saves the present state.
     pub(in crate::sim) fn save(&mut self, slot: usize) {
-        self.saved[slot].save(&self.plant, &self.anchors, &self.suspect);
+        self.saved[slot].save(&self.plant, &self.anchors, &self.suspect, self.links.as_deref());
     }
 }

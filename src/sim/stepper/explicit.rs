@@ -204,6 +204,9 @@ impl ExplicitStepper {
                 sim.metrics.events += 1;
                 sim.stall_guard.count_at_instant(sim.plant.state.time)?;
             }
+            if sim.update_link_polygons(None)? {
+                sim.plant.evaluate();
+            }
             sim.read_compliant_states(observer)?;
             sim.measure_step();
             return Ok(());

@@ -81,6 +81,7 @@ impl SemiImplicitStepper {
 
     /// Sets up the contact problem of a step at the present state and solves it.
     fn solve_contact(&self, sim: &mut RunState, dt: f64, observer: &mut dyn Observer) -> Result<(), RunError> {
+        sim.update_link_polygons(Some(dt))?;
         evaluate_step(sim, dt)?;
         sim.update_friction(observer)?;
         sim.measure_energy();
@@ -137,7 +138,7 @@ pub(super) fn show_forces(sim: &mut RunState, dt: f64) {
 fn displace(sim: &mut RunState, dt: f64) {
     let plant = &mut sim.plant;
     sim.displacement.iter_mut().zip(&plant.acceleration).for_each(|(d, a)| *d = dt * a);
-    reduced::apply(&plant.model, &plant.ws, &mut plant.reduced, &plant.solution.wrench, &mut sim.displacement);
+    reduced::apply(&plant.ws, &mut plant.reduced, &plant.solution.wrench, &mut sim.displacement);
 }
 
 /// Turns the reduced problem into the velocity-level one of this step.

@@ -183,6 +183,7 @@ impl SlidingMode {
         observer: &mut dyn Observer,
     ) -> Result<bool, RunError> {
         let t0 = sim.plant.state.time;
+        sim.update_link_polygons(Some(self.h))?;
         sim.emit_due_snapshots(t0, observer)?;
         if let Some(sampler) = &mut sim.sampler {
             sampler.begin_step(&sim.plant.state);
