@@ -11,8 +11,8 @@
 //! (support functions, [van den Bergen 2004, section 4.3.2]).
 //!
 //! A sole may be smaller than the bottom of its foot, and round feet have a point as sole. Balls and
-//! discs of a link that come within [`NEAR_SOLE`] of one of its soles are therefore left out. What
-//! is farther from the sole is below the floor only if the link lies on its side.
+//! discs of a link that come within 1 cm of one of its soles are therefore left out. What is farther
+//! from the sole is below the floor only if the link lies on its side.
 
 use super::Floor;
 use crate::dynamics::Workspace;
