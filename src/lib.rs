@@ -61,6 +61,8 @@ pub mod log;
 #[cfg_attr(doc, doc(hidden))]
 pub mod math;
 #[cfg_attr(doc, doc(hidden))]
+pub mod mesh;
+#[cfg_attr(doc, doc(hidden))]
 pub mod metrics;
 #[cfg_attr(doc, doc(hidden))]
 pub mod motion;

@@ -9,7 +9,7 @@
 //! soles come from shapes (`sole_detection`), from `[[sole]]` of the robot file, or from the
 //! scenario.
 //!
-//! Imports: `math`, `text`, `geometry`, `files`. Used by: `dynamics`, `collision`, `task`, `force`,
+//! Imports: `math`, `text`, `geometry`, `files`, `mesh`. Used by: `dynamics`, `collision`, `task`, `force`,
 //! `script`, `sim`, `log`, `assemble`, `remote`, `batch`, `console`, `api`, `cli`.
 
 pub mod adjustments;

@@ -25,6 +25,7 @@ use super::model::{Base, Model};
 use super::notices::Notices;
 use super::robot_error::{FileError, RobotError};
 use crate::text::source::Source;
+use crate::text::xml_attributes;
 
 /// The robot as the URDF describes it.
 pub(super) struct Loaded {
@@ -53,8 +54,8 @@ pub(super) fn load(
     policy: InertiaPolicy,
     notices: &mut Notices,
 ) -> Result<Loaded, RobotError> {
-    if let Some(at) = xml::excess_attribute(source.text()) {
-        let message = format!("an element has more than {} attributes", xml::MAX_ATTRIBUTES);
+    if let Some(at) = xml_attributes::excess_attribute(source.text()) {
+        let message = format!("an element has more than {} attributes", xml_attributes::MAX_ATTRIBUTES);
         return Err(FileError::new(source, at..at + 1, message).syntax());
     }
     let document = roxmltree::Document::parse(source.text()).map_err(|e| xml::syntax_error(source, &e))?;

@@ -8,27 +8,6 @@ use roxmltree::{Document, Node};
 use crate::robot::robot_error::{FileError, RobotError};
 use crate::text::source::Source;
 
-/// Greatest number of attributes of an element: the parser compares all pairs.
-pub(super) const MAX_ATTRIBUTES: usize = 1000;
-
-/// The byte at which an element exceeds [`MAX_ATTRIBUTES`]. Text between two elements counts as
-/// part of the first.
-pub(super) fn excess_attribute(text: &str) -> Option<usize> {
-    let (mut count, mut is_given) = (0, false);
-    for (at, byte) in text.bytes().enumerate() {
-        match byte {
-            b'<' => count = 0,
-            b'"' | b'\'' if is_given => count += 1,
-            _ => {}
-        }
-        is_given = byte == b'=' || is_given && byte.is_ascii_whitespace();
-        if count > MAX_ATTRIBUTES {
-            return Some(at);
-        }
-    }
-    None
-}
-
 /// A well-formed document whose root element is `<robot>`.
 pub(super) struct Xml<'a> {
     pub source: &'a Source,

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use roxmltree::Node;
 
-use super::mesh::{self, MeshError};
 use super::package;
 use crate::files::input;
+use crate::mesh::{self, MeshError};
 use crate::robot::model::{Geometry, Shape};
 use crate::robot::notices::Notices;
 use crate::robot::urdf::xml::{Xml, describe};
@@ -114,7 +114,8 @@ impl<'a> Shapes<'a> {
                 Err(format!("the scale {} {} {} reduces it to nothing", scale.x, scale.y, scale.z).into())
             }
             Ok(mesh) => {
-                Ok((mesh.scaled(&scale).ok_or("its vertices at this scale are too large")?, mesh.remark.clone()))
+                let (points, triangles) = mesh.scaled(&scale).ok_or("its vertices at this scale are too large")?;
+                Ok((Geometry::Mesh(points, triangles), mesh.remark.clone()))
             }
             Err(reason) => Err(reason.clone()),
         }

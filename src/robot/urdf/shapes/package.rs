@@ -9,9 +9,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::mesh::MeshError;
 use crate::files::input;
-use crate::robot::urdf::xml::excess_attribute;
+use crate::mesh::MeshError;
+use crate::text::xml_attributes::excess_attribute;
 
 /// The file of a mesh name of a URDF in `folder`; the error lists the folders searched.
 pub(super) fn resolve(folder: &Path, filename: &str) -> Result<PathBuf, MeshError> {

@@ -12,8 +12,8 @@ use std::collections::HashMap;
 use nalgebra::{Matrix3, Matrix4, Point3, Unit, Vector3};
 use roxmltree::{Document, Node, ParsingOptions};
 
-use super::mesh::{MeshError, Soup};
-use crate::robot::urdf::xml::{MAX_ATTRIBUTES, excess_attribute};
+use super::{MeshError, Soup};
+use crate::text::xml_attributes::{MAX_ATTRIBUTES, excess_attribute};
 
 /// Greatest depth of nodes: instances that contain themselves would nest without end.
 const MAX_DEPTH: usize = 64;

@@ -1,21 +1,22 @@
-//! Mesh files (STL, OBJ, COLLADA) as vertices and triangles. A mesh may be flat or open: drawing
-//! and sole detection need no volume.
+//! Reads mesh files (STL, OBJ, COLLADA) to vertices and triangles. A mesh may be flat or open:
+//! drawing and sole detection need no volume.
+//!
+//! Imports: `text`. Used by: `robot`.
+
+mod collada;
 
 use std::collections::HashMap;
 use std::path::Path;
 
 use nalgebra::{Point3, Vector3};
 
-use super::collada;
-use crate::robot::model::Geometry;
-
 /// Largest coordinate, m: fourth powers of greater ones overflow.
 const MAX_COORDINATE: f64 = 1e60;
 
-/// Why a mesh file is left out.
+/// Why a mesh file cannot be read.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{0}")]
-pub(super) struct MeshError(String);
+pub struct MeshError(String);
 
 impl From<String> for MeshError {
     fn from(reason: String) -> Self {
@@ -37,21 +38,28 @@ impl From<std::io::Error> for MeshError {
 
 /// Triangles as stored in a file, in m before scaling.
 #[derive(Default)]
-pub(super) struct Soup {
-    pub vertices: Vec<Point3<f64>>,
-    pub triangles: Vec<[u32; 3]>,
+struct Soup {
+    vertices: Vec<Point3<f64>>,
+    triangles: Vec<[u32; 3]>,
 }
 
+/// Vertices, m, and triangles by the indices of their corners.
+pub type VerticesAndTriangles = (Vec<Point3<f64>>, Vec<[u32; 3]>);
+
 /// A decoded file.
-pub(super) struct Decoded {
+pub struct Decoded {
     /// Vertices, each once, and triangles with three different corners.
     soup: Soup,
     /// Deviation of the reader from the file.
     pub remark: Option<String>,
 }
 
-/// Reads a mesh file; equal vertices are merged, since STL repeats each one.
-pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Decoded, MeshError> {
+/// Reads a mesh file of the kind that the extension of `path` names; equal vertices are merged,
+/// since STL repeats each one.
+///
+/// # Errors
+/// Another extension; a file that is not valid; a mesh without triangles.
+pub fn decode(bytes: &[u8], path: &Path) -> Result<Decoded, MeshError> {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let loader = mesh_loader::Loader::default().merge_meshes(true);
     let mut remark = None;
@@ -76,9 +84,9 @@ pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Decoded, MeshError> {
 }
 
 impl Decoded {
-    /// The shape at a scale, with the orientation of triangles kept; `None` if a coordinate exceeds
-    /// [`MAX_COORDINATE`].
-    pub fn scaled(&self, scale: &Vector3<f64>) -> Option<Geometry> {
+    /// Vertices and triangles at a scale, with the orientation of triangles kept; `None` if a
+    /// coordinate exceeds 1e60 m.
+    pub fn scaled(&self, scale: &Vector3<f64>) -> Option<VerticesAndTriangles> {
         let points: Vec<Point3<f64>> =
             self.soup.vertices.iter().map(|p| Point3::from(p.coords.component_mul(scale))).collect();
         if !points.iter().all(|p| p.iter().all(|x| x.abs() <= MAX_COORDINATE)) {
@@ -87,7 +95,7 @@ impl Decoded {
         // A mirror scale turns triangles inside out.
         let flip = scale.product() < 0.0;
         let orient = |t: &[u32; 3]| if flip { [t[0], t[2], t[1]] } else { *t };
-        Some(Geometry::Mesh(points, self.soup.triangles.iter().map(orient).collect()))
+        Some((points, self.soup.triangles.iter().map(orient).collect()))
     }
 }
 
