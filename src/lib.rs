@@ -91,6 +91,8 @@ pub mod submit;
 #[cfg_attr(doc, doc(hidden))]
 pub mod task;
 #[cfg_attr(doc, doc(hidden))]
+pub mod terrain;
+#[cfg_attr(doc, doc(hidden))]
 pub mod text;
 #[cfg_attr(doc, doc(hidden))]
 pub mod view;

@@ -8,7 +8,8 @@
 //! - `convex_polygon`, `simple_polygon`: checks of polygons in input files.
 //! - `stable_point`: the centre of the largest disc in a polygon.
 //!
-//! Imports: `math`. Used by: `robot`, `collision`, `task`, `scenario`, `sim`, `batch`.
+//! Imports: `math`. Used by: `robot`, `collision`, `task`, `terrain`, `scenario`, `sim`,
+//! `batch`.
 
 pub mod convex_polygon;
 pub mod outline;
