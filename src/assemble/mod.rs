@@ -1,9 +1,9 @@
 //! Assembles a [`Setup`] from a scenario's run and a loaded robot: resolves names, and reports
 //! values that do not fit the robot.
 //!
-//! Imports: `math`, `text`, `integrate`, `random`, `robot`, `dynamics`, `motion`, `contact`,
-//! `collision`, `task`, `force`, `script`, `scenario`, `sim`, `log`. Used by: `batch`, `console`,
-//! `api`.
+//! Imports: `math`, `text`, `geometry`, `integrate`, `random`, `mesh`, `robot`, `terrain`,
+//! `dynamics`, `motion`, `contact`, `collision`, `task`, `force`, `script`, `scenario`, `sim`, `log`.
+//! Used by: `batch`, `console`, `api`.
 
 mod balance;
 mod events;
@@ -20,9 +20,11 @@ mod self_contact;
 mod sensors;
 mod start;
 mod tasks;
+pub mod terrain;
 
 use crate::contact::model::problem::Tolerances;
 use crate::contact::model::state::SoleState;
+use crate::geometry::Plane;
 use crate::integrate::{BS23, DOPRI5, RK4};
 use crate::math;
 use crate::robot::{Model, Robot, SoleId};
@@ -46,6 +48,9 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     let model = model::adjusted_model(run, robot, &mut errors);
     let s = &run.scenario;
     let floor = floor(run, &mut errors);
+    let plane = s.floor.plane.then_some(Plane { rotation: floor.rotation, point: floor.point });
+    let terrain = terrain::terrain(run, plane, &mut notes, &mut errors);
+    terrain::refuse_unsupported(run, &mut errors);
     let start = start::start(run, &model, &floor, &mut errors);
     let forces = forces::forces(run, &model, &mut errors);
     let carried_objects = forces::loads(run, &model, &mut errors);
@@ -84,6 +89,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         model: Arc::new(model),
         gravity: s.gravity.into(),
         floor,
+        terrain: Arc::new(terrain),
         contact,
         integrator,
         start,

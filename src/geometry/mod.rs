@@ -9,7 +9,7 @@
 //! - `stable_point`: the centre of the largest disc in a polygon.
 //!
 //! Imports: `math`. Used by: `robot`, `collision`, `task`, `terrain`, `scenario`, `sim`,
-//! `batch`.
+//! `assemble`, `batch`.
 
 pub mod convex_polygon;
 pub mod outline;

@@ -1,7 +1,7 @@
 //! Reads mesh files (STL, OBJ, COLLADA) to vertices and triangles. A mesh may be flat or open:
 //! drawing and sole detection need no volume.
 //!
-//! Imports: `text`. Used by: `robot`.
+//! Imports: `text`. Used by: `robot`, `assemble`.
 
 mod collada;
 
@@ -73,7 +73,7 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<Decoded, MeshError> {
         "dae" => {
             let (soup, up) = collada::decode(bytes)?;
             if up != "Z_UP" {
-                let message = "of COLLADA meshes is not applied: they are in the link's axes as written, as in ROS";
+                let message = "of COLLADA meshes is not applied: they keep the axes of the file, as in ROS";
                 remark = Some(format!("up-axis {up} {message}"));
             }
             soup

@@ -66,5 +66,8 @@ fn named_files(scenario: &Scenario) -> impl Iterator<Item = (String, &str)> {
     let tasks = scenario.task.iter().enumerate();
     let forces = scenario.force.iter().enumerate();
     let of_tasks = tasks.filter_map(|(i, task)| Some((format!("task.{i}.file"), task.file()?)));
-    of_tasks.chain(forces.filter_map(|(i, force)| Some((format!("force.{i}.file"), force.file()?))))
+    let of_forces = forces.filter_map(|(i, force)| Some((format!("force.{i}.file"), force.file()?)));
+    let terrain = scenario.terrain.iter().enumerate();
+    let of_terrain = terrain.filter_map(|(i, terrain)| Some((format!("terrain.{i}.file"), terrain.file()?)));
+    of_tasks.chain(of_forces).chain(of_terrain)
 }

@@ -67,6 +67,9 @@ pub use format::{
         PositionBalance, PositionBalanceChange, PostureTask, Recorded, ScriptTask, SineChange, SineJoint,
         SineJointChange, SineTask, SquatTask, TaskSpec, WalkTask,
     },
+    terrain::{
+        BoxTerrain, HeightFieldTerrain, MeshBody, MeshTerrain, RampTerrain, StairsTerrain, TerrainEntry, TerrainSpec,
+    },
 };
 pub use inputs::Input;
 pub use overrides::{OverrideError, parse_override};

@@ -22,6 +22,7 @@ use crate::scenario::format::sensors::SensorsSpec;
 use crate::scenario::format::sweep::SweepSpec;
 use crate::scenario::format::tagged::{self, Tagged};
 use crate::scenario::format::task::TaskSpec;
+use crate::scenario::format::terrain::TerrainSpec;
 use crate::text::quantity::{json, positive};
 use crate::text::suggest;
 use crate::text::toml_tree::{Node, Value};
@@ -50,6 +51,9 @@ pub struct Scenario {
     pub robot: RobotSpec,
     /// The floor.
     pub floor: FloorSpec,
+    /// Fixed bodies on which the robot stands, besides the floor.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub terrain: Vec<TerrainSpec>,
     /// Contact method and its parameters.
     pub contact: ContactSpec,
     /// Integration of the equations of motion.
@@ -100,6 +104,7 @@ impl Default for Scenario {
             gravity: [0.0, 0.0, -9.81],
             robot: RobotSpec::default(),
             floor: FloorSpec::default(),
+            terrain: Vec::new(),
             contact: ContactSpec::default(),
             integrator: IntegratorSpec::default(),
             control: ControlSpec::default(),
@@ -147,6 +152,7 @@ pub(super) fn read(root: &Node) -> (Option<Scenario>, Findings) {
         gravity: part.value("gravity", default.gravity),
         robot: part.required("robot", "model"),
         floor: part.value("floor", default.floor),
+        terrain: part.tagged("terrain"),
         contact: part.value("contact", default.contact),
         integrator: part.value("integrator", default.integrator),
         control: part.value("control", default.control),

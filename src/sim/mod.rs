@@ -18,7 +18,7 @@
 //! logs.
 //!
 //! Imports: `math`, `text`, `geometry`, `integrate`, `random`, `metrics`, `robot`, `dynamics`,
-//! `contact`, `collision`, `task`, `force`. Used by: `log`, `assemble`, `results`, `report`,
+//! `contact`, `collision`, `task`, `force`, `terrain`. Used by: `log`, `assemble`, `results`, `report`,
 //! `remote`, `batch`, `replay`, `console`, `api`, `cli`.
 
 pub mod actuation;

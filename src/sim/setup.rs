@@ -16,6 +16,7 @@ use crate::force::Force;
 use crate::integrate::{DOPRI5, Tableau};
 use crate::robot::Model;
 use crate::task::{Command, TaskServer};
+use crate::terrain::Terrain;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::sync::Arc;
 
@@ -96,6 +97,8 @@ pub struct Setup {
     pub gravity: Vector3<f64>,
     /// The floor.
     pub floor: Floor,
+    /// Fixed bodies besides the floor. Contact with them is not computed yet.
+    pub terrain: Arc<Terrain>,
     /// Contact.
     pub contact: ContactSetup,
     /// Integrator.
@@ -147,8 +150,8 @@ impl Setup {
     /// joints held in the home posture, control ticks of 1 kHz.
     ///
     /// The robot starts at rest with its base at the origin. The run lasts 1 s and logs only its
-    /// end. There are no tasks, forces, events, sensor errors and estimators. All fields can be
-    /// changed before [`Simulation::new`](super::Simulation::new).
+    /// end. There are no tasks, forces, events, sensor errors, estimators and terrain. All fields
+    /// can be changed before [`Simulation::new`](super::Simulation::new).
     pub fn new(model: Arc<Model>) -> Self {
         let command = Command::hold(&model, &model.home);
         Setup {
@@ -160,6 +163,7 @@ impl Setup {
                 mu_k: 0.6,
                 patches: Vec::new(),
             },
+            terrain: Arc::default(),
             contact: ContactSetup {
                 method: METHODS[0].with(MethodParameters::default()),
                 tolerances: Tolerances::default(),

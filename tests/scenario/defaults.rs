@@ -36,6 +36,11 @@ fn the_smallest_scenario_has_the_documented_defaults() {
 
     assert_eq!(s.floor.friction, Friction { static_: 0.8, kinetic: 0.6 });
     assert_eq!((s.floor.height, s.floor.rpy), (0.0, [0.0; 3]));
+    assert!(s.floor.plane && s.terrain.is_empty());
+    assert!(
+        !runs[0].resolved_toml.contains("plane") && !runs[0].resolved_toml.contains("terrain"),
+        "keys of runs stay"
+    );
 
     let c = &s.contact;
     assert_eq!(c.method.name(), "exact");

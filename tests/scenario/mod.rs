@@ -8,6 +8,7 @@ mod list;
 mod random;
 mod schema;
 mod shown;
+mod terrain;
 mod typos;
 mod verdicts;
 

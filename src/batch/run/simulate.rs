@@ -287,8 +287,10 @@ pub(crate) fn open_log_of(
 ) -> Result<LogWriter, RecordError> {
     let (robot_file, urdf) = documents(robot);
     let scenario_name = format!("{}.toml", run.name);
-    // Binary inputs, such as a log for playback, are only hashed.
-    let texts = run.inputs.iter().filter_map(|i| Some((i.name(), std::str::from_utf8(&i.bytes).ok()?)));
+    // Binary inputs, such as a log for playback, are only hashed, and so is terrain, which is often
+    // large.
+    let inputs = run.inputs.iter().filter(|input| !input.key.starts_with("terrain."));
+    let texts = inputs.filter_map(|i| Some((i.name(), std::str::from_utf8(&i.bytes).ok()?)));
     let texts: Vec<_> = texts.collect();
     let inputs: Vec<_> = texts.iter().map(|(name, text)| AttachedText { name, text }).collect();
     let patches: Vec<_> = floor.patches.iter().map(|p| floor.outline(p)).collect();

@@ -4,6 +4,7 @@
 mod event;
 mod force;
 mod task;
+mod terrain;
 
 use super::scenario::Scenario;
 use crate::geometry::simple_polygon;
@@ -59,6 +60,7 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
             check.error(&format!("floor.patches.{i}.polygon{corner}"), must);
         }
     }
+    check.terrain(&scenario.terrain);
     check.soles(scenario.robot.soles.as_deref().unwrap_or_default());
     for (i, payload) in scenario.robot.payload.iter().enumerate() {
         check.payload(i, payload);
@@ -109,6 +111,7 @@ impl Check<'_> {
             ("task", scenario.task.len()),
             ("force", scenario.force.len()),
             ("expect", scenario.expect.len()),
+            ("terrain", scenario.terrain.len()),
             ("floor.patches", scenario.floor.patches.len()),
             ("contact.forced", scenario.contact.forced.len()),
             ("robot.payload", scenario.robot.payload.len()),
@@ -215,6 +218,16 @@ impl Check<'_> {
         if !semidefinite([half - xx, half - yy, half - zz, -xy, -xz, -yz], tolerance) {
             let must = "is not the inertia of a rigid body (order: ixx, iyy, izz, ixy, ixz, iyz; triangle inequality)";
             self.error(path, must);
+        }
+    }
+
+    /// The file of the entry at `path` must have one of these endings.
+    fn file(&mut self, path: &str, file: &str, endings: &[&str]) {
+        let known = |e: &std::ffi::OsStr| endings.iter().any(|known| e.eq_ignore_ascii_case(known));
+        if !std::path::Path::new(file).extension().is_some_and(known) {
+            let endings: Vec<String> = endings.iter().map(|e| format!("`.{e}`")).collect();
+            let must = format!("must name a file that ends in {}, not {file:?}", endings.join(" or "));
+            self.error(&format!("{path}.file"), must);
         }
     }
 

@@ -201,15 +201,4 @@ impl Check<'_> {
             }
         }
     }
-
-    fn file(&mut self, path: &str, file: &str, endings: &[&str]) {
-        let known = |e: &std::ffi::OsStr| endings.iter().any(|known| e.eq_ignore_ascii_case(known));
-        if !std::path::Path::new(file).extension().is_some_and(known) {
-            let endings: Vec<String> = endings.iter().map(|e| format!("`.{e}`")).collect();
-            self.error(
-                &format!("{path}.file"),
-                format!("must name a file that ends in {}, not {file:?}", endings.join(" or ")),
-            );
-        }
-    }
 }

@@ -11,7 +11,7 @@ use serde::{
 use crate::text::quantity::{angles, json, non_negative};
 
 /// The floor.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FloorSpec {
     /// Coulomb friction: one number, or static and kinetic.
@@ -22,8 +22,23 @@ pub struct FloorSpec {
     #[serde(deserialize_with = "angles")]
     #[schemars(with = "[json::Angle; 3]")]
     pub rpy: [f64; 3],
+    /// False: there is no plane, and `[[terrain]]` alone carries the robot. The other keys then
+    /// define friction of terrain and the plane from which heights are measured.
+    #[serde(skip_serializing_if = "is_true")]
+    pub plane: bool,
     /// Regions with their own friction.
     pub patches: Vec<PatchSpec>,
+}
+
+/// A level plane at height 0.
+impl Default for FloorSpec {
+    fn default() -> Self {
+        FloorSpec { friction: Friction::default(), height: 0.0, rpy: [0.0; 3], plane: true, patches: Vec::new() }
+    }
+}
+
+fn is_true(value: &bool) -> bool {
+    *value
 }
 
 /// Isotropic Coulomb friction. `static` is not smaller than `kinetic`.

@@ -19,3 +19,4 @@ pub mod sensors;
 pub mod sweep;
 pub mod tagged;
 pub mod task;
+pub mod terrain;
