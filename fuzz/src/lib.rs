@@ -20,6 +20,7 @@ pub mod samples;
 pub mod scenario;
 pub mod scratch;
 pub mod script;
+pub mod terrain;
 pub mod tree;
 pub mod urdf;
 pub mod wire;

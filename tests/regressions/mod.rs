@@ -21,6 +21,7 @@ const TARGETS: &[(&str, Take)] = &[
     ("motion", targets::motion::take),
     ("script", targets::script::take),
     ("mesh", targets::mesh::take),
+    ("terrain", targets::terrain::take),
     ("wire", targets::wire::take),
     ("results", targets::results::take),
     ("log", targets::log::take),

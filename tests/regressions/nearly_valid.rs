@@ -72,6 +72,19 @@ fn nearly_valid_meshes_do_not_panic() {
 }
 
 #[test]
+fn nearly_valid_terrain_does_not_panic() {
+    let seed = |name: &str| std::fs::read(tree::root().join("tests/scenario").join(name)).unwrap();
+    let (table, picture, mesh) = (seed("bumps.csv"), seed("bumps.png"), seed("stone.obj"));
+    for (kind, bytes) in [(b"c", &table), (b"p", &picture), (b"t", &mesh), (b"h", &mesh)] {
+        targets::terrain::take(&[kind, &bytes[..]].concat());
+        check_bytes(targets::terrain::take, kind, bytes, 150);
+        if let Ok(text) = std::str::from_utf8(bytes) {
+            check_text(targets::terrain::take, kind, text, 100);
+        }
+    }
+}
+
+#[test]
 fn nearly_valid_packets_do_not_panic() {
     let mut stream = Stream(1);
     for kind in targets::wire::KINDS {
