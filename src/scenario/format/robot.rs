@@ -41,7 +41,8 @@ pub struct RobotSpec {
     /// Behaviour at a joint's position limits.
     #[serde(default)]
     pub joint_limits: JointLimits,
-    /// Soles that replace the robot's; an empty list means no contact. Left out: the robot's.
+    /// Soles that replace the robot's; with an empty list only links touch the floor, if `contact`
+    /// is `"bodies"`. Left out: the robot's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub soles: Option<Vec<SoleSpec>>,
     /// What touches the floor.
