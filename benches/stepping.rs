@@ -14,7 +14,7 @@ use stiction::contact::model::problem::Tolerances;
 use stiction::contact::model::solution::Solution;
 use stiction::contact::model::state::{Pattern, SoleState, States};
 use stiction::contact::search::judge::Rules;
-use stiction::contact::search::select::{SearchOrder, Selector};
+use stiction::contact::search::select::{SearchOrder, SelectionInput, Selector};
 use stiction::robot;
 use stiction::scenario;
 use stiction::sim::plant::Plant;
@@ -219,5 +219,6 @@ fn selection_from_a_changed_state(bencher: Bencher) {
     let mut start = States::default();
     start[0] = SoleState::fixed(Pattern::Face);
     let rules = Rules::new(Tolerances::default(), start);
-    super::each(bencher, || selector.select(&mut p, &[start], false, &rules, &|_, _| true, &mut out).tested);
+    let input = SelectionInput { rules: &rules, event: true, allowed: &|_, _| true, cancel: None };
+    super::each(bencher, || selector.select(&mut p, &[start], &input, &mut out).tested);
 }

@@ -29,6 +29,7 @@ use crate::integrate::StepControl;
 use crate::robot::{LinkId, Model};
 use crate::text::length_limit::limit_length;
 use nalgebra::Vector3;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A run: its state and its stepper.
@@ -114,6 +115,7 @@ impl Simulation {
             links: setup.touching_links.map(|hulls| Box::new(LinkContacts::new(hulls))),
             last_collision: f64::NEG_INFINITY,
             stall_guard: StallGuard::default(),
+            cancel: None,
             plant,
         };
         run.plant.evaluate_free();
@@ -122,7 +124,14 @@ impl Simulation {
         Ok(Simulation { run, stepper, notes: Vec::new() })
     }
 
-    /// Runs to the end. `cancel` ends the run at the next step with outcome `cancelled`.
+    /// Ends the run with outcome `cancelled` when `flag` is set, also within a step: a search through
+    /// many contact states may take minutes.
+    pub fn cancel_on(&mut self, flag: Arc<AtomicBool>) {
+        self.run.cancel = Some(flag);
+    }
+
+    /// Runs to the end. `cancel` ends the run at the next step with outcome `cancelled`; see also
+    /// [`cancel_on`](Self::cancel_on).
     pub fn run(&mut self, observer: &mut dyn Observer, cancel: &AtomicBool) -> (Outcome, String) {
         let end = self.advance(observer, cancel).and_then(|()| self.finish(observer));
         self.notes.extend(self.run.command_source.iter_mut().flat_map(|source| source.leave()));

@@ -1,10 +1,13 @@
-//! Runs with endless events end with an error message; ordinary chains of impacts end by the
+//! Runs with endless events or searches end with an error message; ordinary chains of impacts end by the
 //! tolerances.
 
 use super::body::G;
-use super::support::{finish, run, simulation, watch};
+use super::support::{finish, run, setup, simulation, watch};
 use nalgebra::Vector3;
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
 use stiction::assemble;
 use stiction::force::{AppliedForces, Force, ForceContext};
 use stiction::robot::LinkId;
@@ -125,4 +128,38 @@ fn rocking_ends_by_the_velocity_tolerance() {
         // Vertices are clamped within 1e-9 m of the floor, on a sole 0.04 m wide.
         assert!(m.final_base_rpy[0].abs() < 2.5e-8 && m.energy_error_j.abs() < 1e-6);
     }
+}
+
+/// HOAP-2 sunk by 3 cm into the floor: several links start in it, and no combination of their states
+/// is valid.
+fn sunk_humanoid() -> Simulation {
+    let mut setup = setup("duration = 0.1\nrobot = { model = \"robots/hoap2/hoap2.toml\", contact = \"bodies\" }\n");
+    setup.start.position.z = 0.25;
+    Simulation::new(setup).unwrap()
+}
+
+#[test]
+fn cancellation_ends_a_search_for_contact_states() {
+    let mut sim = sunk_humanoid();
+    let cancel = Arc::new(AtomicBool::new(false));
+    sim.cancel_on(cancel.clone());
+    let flag = cancel.clone();
+    let canceller = thread::spawn(move || {
+        thread::sleep(Duration::from_millis(300));
+        flag.store(true, Ordering::Relaxed);
+        Instant::now()
+    });
+    let (outcome, message) = sim.run(&mut NullObserver, &cancel);
+    let end = Instant::now();
+    assert_eq!((outcome, message.as_str()), (Outcome::Cancelled, "interrupted"));
+    assert!(sim.metrics().duration_s == 0.0, "the first choice of states");
+    // One candidate takes some milliseconds at most.
+    assert!(end - canceller.join().unwrap() < Duration::from_secs(5));
+}
+
+#[test]
+fn a_search_through_too_many_states_stalls() {
+    let (outcome, message) = sunk_humanoid().run(&mut NullObserver, &AtomicBool::new(false));
+    assert_eq!(outcome, Outcome::Stalled, "{message}");
+    assert!(message.contains("no valid contact state among 500") && message.contains("at 0.000000000 s"), "{message}");
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use stiction::assemble;
 use stiction::robot;
 use stiction::scenario;
-use stiction::sim::{Metrics, NullObserver, Observer, Outcome, SimEvent, Simulation, Snapshot};
+use stiction::sim::{Metrics, NullObserver, Observer, Outcome, Setup, SimEvent, Simulation, Snapshot};
 
 /// Tolerances of the validation runs (`docs/contact.md`, section 13).
 pub const TIGHT: &str = "
@@ -18,14 +18,19 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
 }
 
-/// Prepares the only run of a scenario given as text; relative paths start at the repository's
+/// The setup of the only run of a scenario given as text; relative paths start at the repository's
 /// root.
-pub fn simulation(text: &str) -> Simulation {
+#[track_caller]
+pub fn setup(text: &str) -> Setup {
     let file = scenario::parse(&root().join("test.toml"), text).unwrap_or_else(|e| panic!("{e}"));
     let runs = file.expand(&[]).unwrap_or_else(|e| panic!("{e}"));
     let robot = robot::load(&runs[0].resolve(&runs[0].scenario.robot.model)).unwrap_or_else(|e| panic!("{e}"));
-    let setup = assemble::setup(&runs[0], &robot).unwrap_or_else(|e| panic!("{e}"));
-    Simulation::new(setup).unwrap_or_else(|e| panic!("{e}"))
+    assemble::setup(&runs[0], &robot).unwrap_or_else(|e| panic!("{text}\n{e}"))
+}
+
+/// Prepares the only run of such a scenario.
+pub fn simulation(text: &str) -> Simulation {
+    Simulation::new(setup(text)).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// A case of `scenarios/studies/hard-pushes.toml`: a robot with this initial `base`, pushed once, with

@@ -31,7 +31,7 @@ pub fn strike(p: &mut Problem) -> (Selection, Solution) {
 pub fn strike_with(search: SearchOrder, p: &mut Problem) -> (Selection, Solution) {
     let (mut exact, mut out) = (Exact::new(ExactParameters { search }, p), Solution::new(p));
     let rules = rules();
-    let input = SelectionInput { rules: &rules, event: true, allowed: &|_, _| true };
+    let input = SelectionInput { rules: &rules, event: true, allowed: &|_, _| true, cancel: None };
     let selection = exact.impulse(p, &input, &mut out);
     (selection, out)
 }

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use stiction::contact::model::problem::{Level, Problem};
 use stiction::contact::model::solution::Solution;
 use stiction::contact::model::state::{SoleState, States};
-use stiction::contact::search::select::{SearchOrder, Selection, Selector};
+use stiction::contact::search::select::{SearchOrder, Selection, SelectionInput, Selector};
 
 /// Force and moment at the centre of mass in units of the weight: forces up to `1.2 m g`, moments
 /// up to `0.05 m m g`.
@@ -31,7 +31,8 @@ pub fn select_with(order: SearchOrder, p: &mut Problem) -> (Selection, Solution)
     let (mut selector, mut out) = (Selector::new(order, p), Solution::new(p));
     let mut start = States::default();
     (0..p.soles.len()).for_each(|s| start[s] = stuck(p.soles[s].vertices.len()));
-    let selection = selector.select(p, &[start], false, &rules(), &|_, _| true, &mut out);
+    let input = SelectionInput { rules: &rules(), event: true, allowed: &|_, _| true, cancel: None };
+    let selection = selector.select(p, &[start], &input, &mut out);
     (selection, out)
 }
 

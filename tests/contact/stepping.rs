@@ -19,7 +19,7 @@ fn solve_first(name: &str, parameters: &MethodParameters, p: &mut Problem) -> (S
     let (mut method, mut out) =
         ((MethodDescriptor::named(name).expect("registered").solver)(parameters, p), Solution::new(p));
     let rules = rules();
-    let input = SelectionInput { rules: &rules, event: false, allowed: &|_, _| true };
+    let input = SelectionInput { rules: &rules, event: false, allowed: &|_, _| true, cancel: None };
     let selection = method.impulse(p, &input, &mut out);
     (selection, out)
 }

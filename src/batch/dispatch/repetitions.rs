@@ -5,7 +5,6 @@
 //! its last step, without setup, logs, comparisons and files.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::Sender;
 use std::time::Instant;
 
@@ -42,7 +41,7 @@ pub(in crate::batch) fn repeat(plan: &Plan, runs: &[usize], gate: &Gate, events:
 
 /// Times one repetition; an error if it did not reach its end.
 fn time(job: &Job, cancellation: &Cancellation) -> Result<Lap, RunError> {
-    let done = interruptible(cancellation.shared(), || advance(job, cancellation.flag()));
+    let done = interruptible(cancellation.shared(), || advance(job, cancellation));
     // A cancelled run may fail with any error.
     done.map_err(|error| match cancellation.reason() {
         Some(Reason::TimedOut) => RunError::new(Outcome::TimedOut, "it exceeded its wall-clock limit"),
@@ -51,11 +50,12 @@ fn time(job: &Job, cancellation: &Cancellation) -> Result<Lap, RunError> {
     })
 }
 
-fn advance(job: &Job, cancel: &AtomicBool) -> Result<Lap, RunError> {
+fn advance(job: &Job, cancellation: &Cancellation) -> Result<Lap, RunError> {
     let setup = setup(&job.run, &job.robot).map_err(RunError::internal)?;
     let mut simulation = Simulation::new(Setup { log_rate: 0.0, ..setup })?;
+    simulation.cancel_on(cancellation.shared());
     let clock = Clock::start();
-    let (outcome, message) = simulation.run(&mut NullObserver, cancel);
+    let (outcome, message) = simulation.run(&mut NullObserver, cancellation.flag());
     let lap = clock.lap();
     match outcome {
         Outcome::Passed | Outcome::Fallen => Ok(lap),

@@ -224,6 +224,7 @@ fn simulate_here(mut setup: Setup, observer: &mut dyn Observer, cancel: &AtomicB
         Ok(simulation) => simulation,
         Err(error) => return RunEnd { outcome: error.outcome, ..RunEnd::error(error.message) },
     };
+    interruption_flag().into_iter().for_each(|flag| simulation.cancel_on(flag));
     let (outcome, message) = simulation.run(observer, cancel);
     notes.extend_from_slice(simulation.notes());
     let avoidance = simulation.avoidance_time();

@@ -201,6 +201,7 @@ impl Session {
     /// Simulates to the next control tick.
     pub(in crate::console) fn tick(&mut self) -> Result<(), RunError> {
         if !self.simulation.has_begun() {
+            self.cancel.iter().for_each(|flag| self.simulation.cancel_on(flag.clone()));
             self.simulation.begin(&mut self.observer)?;
         }
         let next = (self.tick_number() + 1) as f64 / self.rate();

@@ -89,8 +89,8 @@ impl SlidingLoad {
 /// The jam of a sliding load: the velocity-level problem in the limit `d -> 0` of the module's
 /// equation.
 ///
-/// `p` contains the free accelerations and `velocity` the motions of the soles (6F). `allowed`
-/// restricts the states of each sole. Leaves the solution for a small d in `solution` and the
+/// `p` contains the free accelerations and `velocity` the motions of the soles (6F). `input`
+/// is that of an event. Leaves the solution for a small d in `solution` and the
 /// impulses of the limit in `impulses`. The second value is the selection for the statistics,
 /// `None` if no vertex presses on the floor. The first is its states, `None` if finite forces exist
 /// or the velocity level has no solution either. The problem is then left at the velocity level.
@@ -99,11 +99,10 @@ pub(crate) fn jam(
     method: &mut dyn ContactSolver,
     velocity: &[f64],
     load: &SlidingLoad,
-    rules: &Rules,
-    allowed: &dyn Fn(usize, SoleState) -> bool,
+    input: &SelectionInput,
     (solution, impulses): (&mut Solution, &mut Solution),
 ) -> (Option<States>, Option<Selection>) {
-    let tol = rules.tolerances;
+    let tol = input.rules.tolerances;
     let near = |&(s, i): &(usize, usize)| p.soles[s].vertices[i].is_near(&tol);
     let pressing = p.vertex_indices().filter(near).map(|(s, i)| -p.vertex_motion(&p.b, s, i).z).fold(0.0, f64::max);
     let fastest = p.vertex_indices().map(|(s, i)| p.soles[s].vertices[i].velocity.norm()).fold(1.0, f64::max);
@@ -126,16 +125,15 @@ pub(crate) fn jam(
     // Several solutions may be valid. Prefer one in which vertices that jam together stop together.
     let together = |s: usize, state: SoleState| {
         let k = load.loaded[s].len();
-        allowed(s, state) && (0..k).all(|i| !load.loaded[s][i] || state.clamps(i, k))
+        (input.allowed)(s, state) && (0..k).all(|i| !load.loaded[s][i] || state.clamps(i, k))
     };
-    let preferring = Rules { exhaustive: false, ..*rules };
-    let input = SelectionInput { rules: &preferring, event: true, allowed: &together };
-    let mut selection = method.impulse(p, &input, solution);
+    let preferring = Rules { exhaustive: false, ..*input.rules };
+    let preferred = SelectionInput { rules: &preferring, allowed: &together, ..*input };
+    let mut selection = method.impulse(p, &preferred, solution);
     let mut tested = selection.tested;
     if !selection.consistent {
         p.soles.iter_mut().flat_map(|s| &mut s.vertices).for_each(|v| v.direction = Vector2::zeros());
-        let input = SelectionInput { rules, event: true, allowed };
-        selection = method.impulse(p, &input, solution);
+        selection = method.impulse(p, input, solution);
         tested += selection.tested;
     }
     selection.tested = tested;

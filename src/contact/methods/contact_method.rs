@@ -7,10 +7,11 @@
 use super::registry::MethodParameters;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::{SoleState, States};
-use crate::contact::search::judge::Rules;
+use crate::contact::model::state::States;
 use crate::contact::search::select::Selection;
 use std::fmt::Debug;
+
+pub use crate::contact::search::select::SelectionInput;
 
 /// A contact method with its parameters, shared by runs.
 pub trait ContactMethod: Debug + Send + Sync {
@@ -24,17 +25,6 @@ pub trait ContactMethod: Debug + Send + Sync {
     fn parameters(&self) -> MethodParameters {
         MethodParameters::default()
     }
-}
-
-/// Input of a selection of states.
-#[derive(Clone, Copy)]
-pub struct SelectionInput<'a> {
-    /// Tolerances, the previous states, and which of them an event has put in doubt.
-    pub rules: &'a Rules,
-    /// Whether an event has occurred since the previous states were selected.
-    pub event: bool,
-    /// Which states each sole may take (forced states of a scenario).
-    pub allowed: &'a dyn Fn(usize, SoleState) -> bool,
 }
 
 /// How a method advances in time.

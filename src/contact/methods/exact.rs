@@ -92,7 +92,7 @@ impl ContactSolver for Exact {
         }
         let start = Self::carry_over(p, &input.rules.previous);
         let start = replace_forbidden(p, start, input);
-        self.selector.select(p, &[start], !input.event, input.rules, input.allowed, out)
+        self.selector.select(p, &[start], input, out)
     }
 
     fn impulse(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
@@ -126,7 +126,7 @@ impl ContactSolver for Exact {
         let previous_states = replace_forbidden(p, previous_states, input);
         let starts = if rest_first { [start, previous_states, continued] } else { [previous_states, continued, start] };
         // Equal ones are tested once.
-        self.selector.select(p, &starts, !input.event, input.rules, input.allowed, out)
+        self.selector.select(p, &starts, input, out)
     }
 
     fn point_impulse(&mut self, p: &Problem, out: &mut Solution) -> Option<States> {

@@ -28,6 +28,9 @@
 //! 3. all states of all soles are tried;
 //! 4. the least violating candidate is returned, marked as inconsistent.
 //!
+//! Problems with too many states to try all end this search after a number of candidates
+//! (`MOST` in `all_states`). Cancellation ends it after the present candidate.
+//!
 //! `proposals` tests what the point solution suggests, `all_states` searches all states.
 
 mod all_states;
@@ -46,6 +49,7 @@ use nalgebra::{Vector2, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
+use std::sync::atomic::{self, AtomicBool};
 
 /// Candidates tested near the previous states at an event. In a fixed step the contact problem,
 /// solved from the forces of the last step, finds changed states sooner.
@@ -98,6 +102,19 @@ impl Selection {
     }
 }
 
+/// Input of a selection of states.
+#[derive(Clone, Copy)]
+pub struct SelectionInput<'a> {
+    /// Tolerances, the previous states, and which of them an event has put in doubt.
+    pub rules: &'a Rules,
+    /// Whether an event has occurred since the previous states were selected.
+    pub event: bool,
+    /// Which states each sole may take (forced states of a scenario).
+    pub allowed: &'a dyn Fn(usize, SoleState) -> bool,
+    /// Once set, a search ends early and its selection is discarded.
+    pub cancel: Option<&'a AtomicBool>,
+}
+
 /// How the states are found.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -116,9 +133,17 @@ struct Task<'a> {
     allowed: &'a dyn Fn(usize, SoleState) -> bool,
     out: &'a mut Solution,
     tested: usize,
+    /// Candidates after which a search through all states ends.
+    most: usize,
+    cancel: Option<&'a AtomicBool>,
 }
 
 impl Task<'_> {
+    /// Whether the search ends without a valid state: it has tested enough, or is cancelled.
+    fn is_ended(&self) -> bool {
+        self.tested >= self.most || self.cancel.is_some_and(|cancel| cancel.load(atomic::Ordering::Relaxed))
+    }
+
     /// Lets vertices whose motion is to be settled slide, or rest again. Returns whether there are
     /// any.
     fn slide_settling(&mut self, slide: bool) -> bool {
@@ -223,18 +248,17 @@ impl Selector {
     }
 
     /// Selects the states. `starts` are tried first, in order. Smaller neighbours of a valid
-    /// candidate are tried too, unless `unchanged` is set: no event since the first of `starts` was
-    /// chosen. `out` holds the solution of the previous states. `allowed` restricts the states of
-    /// each sole (forced states).
+    /// candidate are tried too if an event has occurred since the first of `starts` was chosen.
+    /// `out` holds the solution of the previous states.
     pub fn select(
         &mut self,
         p: &mut Problem,
         starts: &[States],
-        unchanged: bool,
-        rules: &Rules,
-        allowed: &dyn Fn(usize, SoleState) -> bool,
+        input: &SelectionInput,
         out: &mut Solution,
     ) -> Selection {
+        let SelectionInput { rules, event, allowed, cancel } = *input;
+        let unchanged = !event;
         for (s, limit) in self.onset.iter_mut().enumerate() {
             limit.vertices = 0;
             if rules.suspect(p, s) & SUSPECT_FRICTION != 0 {
@@ -247,7 +271,7 @@ impl Selector {
             Level::Velocity => p.step,
         };
         self.last.copy_from(out);
-        let mut task = Task { p, rules: *rules, allowed, out, tested: 0 };
+        let mut task = Task { p, rules: *rules, allowed, out, tested: 0, most: usize::MAX, cancel };
         let direct = self.order == SearchOrder::Direct;
         let found = direct && self.search_near(&mut task, starts, unchanged);
         if direct
@@ -276,6 +300,7 @@ impl Selector {
         self.restore(&mut task, &best);
         let (assessment, full) = (best.assessment, direct && !found && exhausted);
         let consistent = assessment.valid();
+        let exhausted = exhausted && (consistent || !task.is_ended());
         Selection { states: best.states, tested: task.tested, full, consistent, exhausted, assessment }
     }
 
@@ -378,7 +403,7 @@ impl Selector {
     /// or until `limit` candidates were tested without success.
     fn explore(&mut self, task: &mut Task, unchanged: bool, completing: bool, limit: usize) {
         loop {
-            if task.tested >= limit && !self.is_found() {
+            if task.is_ended() || task.tested >= limit && !self.is_found() {
                 break;
             }
             let best = (0..self.queue.len())
@@ -406,7 +431,7 @@ impl Selector {
                     moves.retain(|state| !screen.excludes(solver, task.p, state, &task.rules));
                 }
                 for &state in moves.states() {
-                    if task.tested >= limit && !self.is_found() {
+                    if task.is_ended() || task.tested >= limit && !self.is_found() {
                         return;
                     }
                     let mut next = entry.states;

@@ -116,7 +116,7 @@ impl SelectionRecord {
         let mut method = (method.solver)(&self.parameters, &p);
         let level = p.level;
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f| allows(level, f, state));
-        let input = SelectionInput { rules: &rules, event: self.event, allowed: &allowed };
+        let input = SelectionInput { rules: &rules, event: self.event, allowed: &allowed, cancel: None };
         let selection = match level {
             Level::Acceleration => method.select(&mut p, &input, &mut out),
             Level::Velocity => method.impulse(&mut p, &input, &mut out),

@@ -18,7 +18,7 @@ impl RunState {
             self.plant.evaluate();
         }
         let rules = self.rules();
-        let input = SelectionInput { rules: &rules, event: true, allowed: &|_, _| true };
+        let input = SelectionInput { rules: &rules, event: true, allowed: &|_, _| true, cancel: None };
         let plant = &mut self.plant;
         let selection = plant.method.select(&mut plant.problem, &input, &mut plant.solution);
         self.adopt(selection.states, observer)?;
@@ -29,7 +29,7 @@ impl RunState {
     /// Computes the impulses of a step from its velocity-level problem.
     pub(in crate::sim) fn compliant_impulse(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         let rules = self.rules();
-        let input = SelectionInput { rules: &rules, event: false, allowed: &|_, _| true };
+        let input = SelectionInput { rules: &rules, event: false, allowed: &|_, _| true, cancel: None };
         let plant = &mut self.plant;
         let selection = plant.method.impulse(&mut plant.problem, &input, &mut plant.solution);
         self.adopt(selection.states, observer)

@@ -3,6 +3,7 @@
 
 use crate::contact::hybrid::copositivity::{SlidingLoad, least_sliding_load};
 use crate::contact::hybrid::painleve;
+use crate::contact::methods::contact_method::SelectionInput;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
 use crate::contact::search::judge::Rules;
 use crate::sim::event_kind::EventKind;
@@ -166,10 +167,11 @@ impl RunState {
         let rules = Rules { exhaustive: !self.defers(), ..self.rules() };
         let forced = self.forced(self.plant.state.time);
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
+        let input = SelectionInput { rules: &rules, event: true, allowed: &allowed, cancel: self.cancel.as_deref() };
         let plant = &mut self.plant;
         let (p, method) = (&mut plant.problem, plant.method.as_mut());
         let out = (&mut plant.solution, &mut self.projection);
-        let (states, selection) = painleve::jam(p, method, &plant.reduced.velocity, load, &rules, &allowed, out);
+        let (states, selection) = painleve::jam(p, method, &plant.reduced.velocity, load, &input, out);
         let selection = selection?;
         self.count(&selection);
         if states.is_none() {

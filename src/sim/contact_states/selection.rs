@@ -12,6 +12,7 @@ use crate::sim::report::{Observer, Outcome};
 use crate::sim::run::{Deferral, RunState};
 use crate::sim::run_error::RunError;
 use nalgebra::Vector2;
+use std::sync::atomic::Ordering;
 
 /// Rounds of selection and velocity jumps at one instant.
 const ROUNDS: usize = 8;
@@ -152,12 +153,31 @@ impl RunState {
         self.before_selection.copy_from(&self.plant.solution);
         let forced = self.forced(self.plant.state.time);
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f == state);
-        let input = SelectionInput { rules: &rules, event: true, allowed: &allowed };
+        let cancel = self.cancel.clone();
+        let input = SelectionInput { rules: &rules, event: true, allowed: &allowed, cancel: cancel.as_deref() };
         self.record_problem(observer, &input, &forced);
         let plant = &mut self.plant;
         let selection = plant.method.select(&mut plant.problem, &input, &mut plant.solution);
         self.record_solution(observer, &selection)?;
+        self.check_search(&selection, exhaustive)?;
         Ok(selection)
+    }
+
+    /// Fails when a search ended early: cancelled, or, if it was `exhaustive`, before all states were
+    /// tried.
+    pub(in crate::sim) fn check_search(&self, selection: &Selection, exhaustive: bool) -> Result<(), RunError> {
+        if self.cancel.as_ref().is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
+            return Err(RunError::new(Outcome::Cancelled, "interrupted"));
+        }
+        if !exhaustive || selection.consistent || selection.exhausted || self.all_imposed(&selection.assessment) {
+            return Ok(());
+        }
+        let touching = self.plant.problem.soles.iter().filter(|s| s.vertices.iter().any(|v| v.height <= 0.0)).count();
+        let message = format!(
+            "no valid contact state among {} tested at {:.9} s, with {touching} soles and links on or below the floor",
+            selection.tested, self.plant.state.time
+        );
+        Err(RunError::new(Outcome::Stalled, message))
     }
 
     /// Counts a selection.
@@ -176,11 +196,13 @@ impl RunState {
         let plant = &mut self.plant;
         let fastest = impact::set_impact(&mut plant.problem, &plant.reduced.velocity, &tol, self.contact.restitution);
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
-        let input = SelectionInput { rules: &rules, event: true, allowed: &allowed };
+        let cancel = self.cancel.clone();
+        let input = SelectionInput { rules: &rules, event: true, allowed: &allowed, cancel: cancel.as_deref() };
         self.record_problem(observer, &input, &forced);
         let plant = &mut self.plant;
         let selection = plant.method.impulse(&mut plant.problem, &input, &mut plant.solution);
         self.record_solution(observer, &selection)?;
+        self.check_search(&selection, rules.exhaustive)?;
         let plant = &mut self.plant;
         let impulses = std::mem::take(&mut plant.solution.wrench);
         let jump = plant.apply_impulses(&impulses);

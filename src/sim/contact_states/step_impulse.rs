@@ -58,11 +58,13 @@ impl RunState {
         let rules = self.rules();
         let forced = self.forced(self.plant.state.time);
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f.pattern == state.pattern);
-        let input = SelectionInput { rules: &rules, event: false, allowed: &allowed };
+        let cancel = self.cancel.clone();
+        let input = SelectionInput { rules: &rules, event: false, allowed: &allowed, cancel: cancel.as_deref() };
         self.record_problem(observer, &input, &forced);
         let plant = &mut self.plant;
         let selection = plant.method.impulse(&mut plant.problem, &input, &mut plant.solution);
         self.record_solution(observer, &selection)?;
+        self.check_search(&selection, true)?;
         self.count(&selection);
         if !selection.consistent && !self.all_imposed(&selection.assessment) {
             let message = format!("no contact state is valid; least violations {:?}", selection.assessment.levels);

@@ -29,6 +29,8 @@ use crate::sim::termination::StallGuard;
 use crate::task::TaskServer;
 use crate::text::length_limit::limit_length;
 use nalgebra::Vector3;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Whether a choice of states that finds none near the solved contact problem may be left to
 /// velocity-level steps ([`crate::sim::stepper::sliding_mode`]) instead of searching all states.
@@ -114,6 +116,8 @@ pub struct RunState {
     pub last_collision: f64,
     /// Detects a stalled run.
     pub stall_guard: StallGuard,
+    /// Ends the run, also within a step, once it is set.
+    pub cancel: Option<Arc<AtomicBool>>,
 }
 
 impl RunState {

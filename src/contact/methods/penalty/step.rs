@@ -283,7 +283,7 @@ mod tests {
         let mut out = Solution::new(&p);
         let previous = States::default();
         let rules = Rules::new(Tolerances::default(), previous);
-        let input = SelectionInput { rules: &rules, event: true, allowed: &|_, _| true };
+        let input = SelectionInput { rules: &rules, event: true, allowed: &|_, _| true, cancel: None };
         Penalty::new(&p, PenaltyParameters::default()).impulse(&mut p, &input, &mut out);
         assert!(out.wrench.iter().all(|w| *w == 0.0) && out.motion == p.b);
     }

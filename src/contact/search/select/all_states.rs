@@ -1,16 +1,35 @@
 //! The search through all states: best-first, then over clamped patterns, then by enumeration.
 
 use super::{Selector, Task};
-use crate::contact::model::problem::Level;
+use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::state::{MAX_SOLES, SoleState, States};
 
 /// More combinations than this are not enumerated when the local search fails.
 const ENUMERABLE: usize = 20_000;
 
+/// Candidates after which the search through more combinations ends: a few seconds with a dozen links
+/// on the floor.
+const MOST: usize = 5_000;
+
+/// Number of combinations of the states of all soles, and its factors; the greatest number if it
+/// overflows.
+fn combinations(p: &Problem) -> (usize, [usize; MAX_SOLES]) {
+    let mut sizes = [1; MAX_SOLES];
+    let soles = p.soles.iter().zip(&mut sizes);
+    soles.for_each(|(sole, size)| *size = SoleState::refined(sole.vertices.len()).count());
+    (sizes.iter().try_fold(1usize, |n, &k| n.checked_mul(k)).unwrap_or(usize::MAX), sizes)
+}
+
+/// Candidates after which a search through all states ends. Few combinations bound it themselves.
+fn most_tested(p: &Problem) -> usize {
+    if combinations(p).0 > ENUMERABLE { MOST } else { usize::MAX }
+}
+
 impl Selector {
     /// Searches all states, best-first from the previous ones.
     pub(super) fn search_all(&mut self, task: &mut Task, start: &States, unchanged: bool) {
         let all = usize::MAX;
+        task.most = most_tested(task.p);
         self.restart();
         self.push(task, start);
         self.explore(task, unchanged, false, all);
@@ -75,14 +94,14 @@ impl Selector {
 
     /// Tests all states of all soles.
     pub(super) fn enumerate(&mut self, task: &mut Task) {
-        let states_of = |s: usize| SoleState::refined(task.p.soles[s].vertices.len());
-        let mut sizes = [1; MAX_SOLES];
-        (0..task.p.soles.len()).for_each(|s| sizes[s] = states_of(s).count());
-        let total = sizes.iter().try_fold(1usize, |n, &k| n.checked_mul(k)).unwrap_or(usize::MAX);
+        let (total, sizes) = combinations(task.p);
         if total > ENUMERABLE {
             return;
         }
         for code in 0..total {
+            if task.is_ended() {
+                return;
+            }
             let mut states = States::default();
             let mut rest = code;
             for s in 0..task.p.soles.len() {
