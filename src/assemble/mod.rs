@@ -83,6 +83,9 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     }
     let touching_links =
         (s.robot.contact == TouchingParts::Bodies).then(|| LinkHull::of_model(&model, robot.self_collision.resolution));
+    if let Some(error) = start::below_floor(run, &model, &floor, &start, touching_links.as_deref()) {
+        return Err(Diagnostics(vec![error]));
+    }
     Ok(Setup {
         events,
         saved_states,

@@ -1,5 +1,6 @@
 //! Contact against closed forms (`contact.md` section 13).
 
+mod below;
 mod block;
 pub mod body;
 mod breakaway;

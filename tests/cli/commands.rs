@@ -57,6 +57,20 @@ fn check_counts_runs_and_writes_no_files() {
     assert!(!place.path("results").exists());
 }
 
+/// The error is at the swept value; `run` refuses the batch too.
+#[test]
+fn a_start_below_the_floor_is_refused_where_it_is_swept() {
+    let place = Place::new();
+    let sweep = "base = { position = [0, 0, 1] }\n[sweep]\ngrid = { \"robot.base.position.2\" = [0.05, 0.02] }\n";
+    place.block("s.toml", sweep);
+    for arguments in [&["check", "s.toml"][..], &["s.toml"]] {
+        let done = place.runner(arguments).exits(2);
+        let text = "sole `bottom` of link `block` starts 0.0300 m below the floor, with the base at z = 0.02 m";
+        assert!(done.stderr.contains(text) && done.stderr.contains("s.toml:5:43"), "{}", done.stderr);
+    }
+    assert!(!place.path("results").exists());
+}
+
 #[test]
 fn set_replaces_values_and_fixes_swept_ones() {
     let place = Place::new();

@@ -9,7 +9,7 @@ use crate::same::{assert_same, files};
 /// A sweep above the limit of one folder, of which a filter selects twelve runs.
 fn large() -> Place {
     let place = Place::new();
-    let speed = "base = { position = [0, 0, 0.0], linear_velocity = [1, 0, 0] }\n";
+    let speed = "base = { position = [0, 0, 0.05], linear_velocity = [1, 0, 0] }\n";
     let reference = "[compare]\nreference = { \"integrator.relative_tolerance\" = 1e-9 }\n";
     place.block("s.toml", &format!("{speed}{reference}[sweep]\nrepeat = 10001\n"));
     place

@@ -104,6 +104,7 @@ fn the_observer_selects_inconsistent_problems() {
         duration = 0.1
         contact.exact.search = \"paper\"
         robot = { model = \"robots/block/block.toml\", base = { position = [0, 0, 0.049], rpy = [0.01, 0.02, 0] } }
+        stop = { sunk_link = \"ignore\" }
     ";
     let (recorded, selections, inconsistent) = problems(penetrating, Problems::Inconsistent);
     assert!(inconsistent >= 1 && selections > inconsistent, "{selections} {inconsistent}");

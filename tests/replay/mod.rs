@@ -7,7 +7,7 @@ use std::fs;
 /// The block falls, slides and comes to rest; compared with a finer run, judged, swept and
 /// repeated.
 const FALL: &str = r#"
-base = { position = [0, 0, 0.05], linear_velocity = [1, 0, 0], rpy = [0.1, 0, 0] }
+base = { position = [0, 0, 0.06], linear_velocity = [1, 0, 0], rpy = [0.1, 0, 0] }
 [floor]
 friction = 0.3
 [log]

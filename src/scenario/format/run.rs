@@ -44,7 +44,8 @@ pub struct StopSpec {
     pub fallen: Option<FallenRule>,
     /// What follows when collision shapes of a link are more than 1 mm below the floor. Only soles
     /// touch the floor, so other links of a fallen robot sink through it. Shapes of a foot within 1
-    /// cm of its sole do not count. Robots without soles and with a fixed base are not checked.
+    /// cm of its sole do not count. Robots without soles and with a fixed base are not checked. A
+    /// start in that state, or with a sole that deep, is an error unless this is `"ignore"`.
     pub sunk_link: SunkLink,
     /// Ends the run at this time, s; left out: at `duration`. Plans and random draws still cover
     /// all of `duration`, so the run equals the first part of the full one.
