@@ -59,8 +59,10 @@ fn log(setup: &Setup, folder: Option<&Path>, outlet: Option<Box<dyn MessageSink>
         robot: None,
         urdf: AttachedText { name: "hoap2.urdf", text: &urdf },
         inputs: &[],
-        floor: nalgebra::Isometry3::identity(),
+        floor: Some(nalgebra::Isometry3::identity()),
         patches: &[],
+        objects: &[],
+        terrain: &setup.terrain,
         topics: TopicGroups::ALL,
     };
     let path = folder.map(|folder| folder.join("log.mcap"));

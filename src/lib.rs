@@ -66,6 +66,7 @@ pub mod mesh;
 pub mod metrics;
 #[cfg_attr(doc, doc(hidden))]
 pub mod motion;
+pub mod patches;
 #[cfg_attr(doc, doc(hidden))]
 pub mod random;
 #[cfg_attr(doc, doc(hidden))]

@@ -2,16 +2,18 @@
 //! values that do not fit the robot.
 //!
 //! Imports: `math`, `text`, `geometry`, `integrate`, `random`, `mesh`, `robot`, `terrain`,
-//! `dynamics`, `motion`, `contact`, `collision`, `task`, `force`, `script`, `scenario`, `sim`, `log`.
-//! Used by: `batch`, `console`, `api`.
+//! `dynamics`, `motion`, `patches`, `contact`, `collision`, `task`, `force`, `script`, `scenario`, `sim`,
+//! `log`. Used by: `batch`, `console`, `api`.
 
 mod balance;
+mod bodies;
 mod events;
 mod forces;
 pub mod log_size;
 mod mocap;
 mod model;
 mod names;
+mod objects;
 mod pairing;
 mod planned;
 mod playback;
@@ -50,8 +52,8 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     let floor = floor(run, &mut errors);
     let plane = s.floor.plane.then_some(Plane { rotation: floor.rotation, point: floor.point });
     let terrain = terrain::terrain(run, plane, &mut notes, &mut errors);
-    terrain::refuse_unsupported(run, &mut errors);
     let start = start::start(run, &model, &floor, &mut errors);
+    let objects = objects::objects(run);
     let forces = forces::forces(run, &model, &mut errors);
     let carried_objects = forces::loads(run, &model, &mut errors);
     let tasks = tasks::tasks(run, &model, &start, &mut notes, &mut errors);
@@ -83,7 +85,19 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     }
     let touching_links =
         (s.robot.contact == TouchingParts::Bodies).then(|| LinkHull::of_model(&model, robot.self_collision.resolution));
-    if let Some(error) = start::below_floor(run, &model, &floor, &start, touching_links.as_deref()) {
+    let touching_links = touching_links.filter(|_| s.floor.plane);
+    if !floor.is_absent
+        && let Some(error) = start::below_floor(run, &model, &floor, &start, touching_links.as_deref())
+    {
+        return Err(Diagnostics(vec![error]));
+    }
+    let touching = bodies::robot_bodies(&model, s.robot.contact, robot.self_collision.resolution);
+    let bodies = if objects.is_empty() && terrain.is_empty() {
+        Default::default()
+    } else {
+        bodies::bodies(touching, &floor, &objects)
+    };
+    if let Some(error) = bodies::overlap(run, &model, &start, &objects, &bodies, &terrain) {
         return Err(Diagnostics(vec![error]));
     }
     Ok(Setup {
@@ -100,6 +114,8 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         tasks,
         command_source: None,
         forces,
+        objects: objects.into_iter().map(|object| object.setup).collect(),
+        bodies,
         carried_objects,
         sensors: sensors::errors(&s.sensors),
         imu,
@@ -110,7 +126,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
         log_rate: s.log.rate,
         fallen_below: s.stop.fallen.as_ref().map(|f| f.below),
         touching_links,
-        ends_when_sunk: s.stop.sunk_link == SunkLink::Fallen,
+        ends_when_sunk: s.stop.sunk_link == SunkLink::Fallen && s.floor.plane,
         notes,
     })
 }
@@ -124,6 +140,7 @@ fn floor(run: &Run, errors: &mut Vec<Diagnostic>) -> Floor {
         mu_s: spec.friction.static_,
         mu_k: spec.friction.kinetic,
         patches: patches(spec),
+        is_absent: !spec.plane,
     };
     if !floor.patches.is_empty() && floor.rotation[(2, 2)].abs() < MIN_TILT_COSINE {
         let message = "`floor.patches` are projected vertically, but this floor is vertical: see `floor.rpy`";

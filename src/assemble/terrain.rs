@@ -58,20 +58,6 @@ pub fn terrain(run: &Run, floor: Option<Plane>, notes: &mut Vec<String>, errors:
     Terrain::new(pieces, grids, floor)
 }
 
-/// Refuses what the format has and the simulation has not.
-pub(super) fn refuse_unsupported(run: &Run, errors: &mut Vec<Diagnostic>) {
-    if !run.scenario.terrain.is_empty() {
-        errors.push(run.error_at(
-            "terrain.0",
-            "`[[terrain]]` is not supported yet: robots touch the floor alone",
-            None,
-        ));
-    }
-    if !run.scenario.floor.plane {
-        errors.push(run.error_at("floor.plane", "`floor.plane = false` is not supported yet", None));
-    }
-}
-
 fn entry(run: &Run, index: usize, spec: &TerrainSpec) -> Entry {
     let common = spec.entry();
     let [roll, pitch, yaw] = common.rpy;

@@ -10,8 +10,8 @@
 //! and collects the rows in the order of the plan. It knows live clients by the trait
 //! [`LiveClients`] only.
 //!
-//! Imports: `text`, `geometry`, `files`, `robot`, `contact`, `script`, `scenario`, `sim`, `log`,
-//! `assemble`, `results`, `report`, `remote`. Used by: `replay`, `console`, `api`, `cli`.
+//! Imports: `text`, `geometry`, `files`, `robot`, `terrain`, `contact`, `script`, `scenario`, `sim`,
+//! `log`, `assemble`, `results`, `report`, `remote`. Used by: `replay`, `console`, `api`, `cli`.
 
 mod batch_error;
 mod dispatch;
@@ -46,6 +46,6 @@ pub use run::live_clients::LiveClients;
 pub use run::outputs::{Body, RunOutputs, Track};
 pub use run::plausibility::marks_implausible;
 pub use run::run_end::RunEnd;
-pub(crate) use run::simulate::{open_log_of, topics};
+pub(crate) use run::simulate::{Scene, open_log_of, topics};
 pub use run::simulate::{simulate, simulate_with_clients, simulate_with_command_source};
 pub use runner::{Batch, Interrupter};

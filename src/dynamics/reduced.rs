@@ -1,15 +1,22 @@
-//! The contact problem reduced to the sole frames: `a = a0 + W w` with
+//! The contact problem reduced to the contact frames: `a = a0 + W w` with
 //!
 //! ```text
 //! W = J M^-1 J^T,   a0 = J M^-1 (tau - h) + Jdot v
 //! ```
 //!
-//! for F soles (or other polygons that may touch), each with a frame at its reference point (the
-//! centroid of its vertices, fixed in the link), in floor axes. Rows of a sole: acceleration p'' of the reference point, then angular
-//! acceleration. `w` stacks the soles' wrenches: force, then moment about the reference point.
-//! `tau` contains all generalised forces except those of contact.
+//! for F contacts. M is block diagonal over the mechanisms, the robot first, and all vectors of
+//! velocities are stacked in that order. A contact has a frame (axes with z along its normal, and a
+//! reference point) and one or two sides: its motion is that of the first side's link at the
+//! reference point, less that of the second side's link. Rows of a contact: acceleration p'' of the
+//! reference point, then angular acceleration. `w` stacks the wrenches on the first sides: force, then
+//! moment about the reference point. `tau` contains all generalised forces except those of contact.
 //!
-//! With M = L^T L and Y = L^-T J^T: W = Y^T Y and a0 = Y^T L^-T (tau - h) + Jdot v. A sole's
+//! A sole (or another polygon fixed to a link) has one side, floor axes, and its centroid as reference
+//! point. The contact of a pair of bodies has axes and reference point that its geometry gives; its
+//! rows of `Jdot v` have the acceleration of the links' origins only, and the terms of points that move
+//! belong to its vertices ([`crate::contact::model::problem::Vertex::bias`]).
+//!
+//! With M = L^T L and Y = L^-T J^T: W = Y^T Y and a0 = Y^T L^-T (tau - h) + Jdot v. A side's
 //! columns of Y are nonzero on its support chain only, and two chains share a leading part, so both
 //! are short contiguous sums.
 
@@ -21,10 +28,73 @@ use crate::robot::{LinkId, Model, Sole, SoleId};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
-/// The reduced problem of one evaluation, allocated once for a list of soles.
+/// The workspaces of all mechanisms of a problem.
+#[derive(Clone, Copy)]
+pub struct Mechanisms<'a> {
+    /// The robot.
+    pub robot: &'a Workspace,
+    /// Objects, in the order of their velocities.
+    pub objects: &'a [Workspace],
+}
+
+impl<'a> From<&'a Workspace> for Mechanisms<'a> {
+    fn from(robot: &'a Workspace) -> Self {
+        Mechanisms { robot, objects: &[] }
+    }
+}
+
+impl<'a> Mechanisms<'a> {
+    /// The workspace of mechanism `m`; 0 is the robot.
+    #[inline(always)]
+    pub fn get(&self, m: usize) -> &'a Workspace {
+        if m == 0 { self.robot } else { &self.objects[m - 1] }
+    }
+
+    /// Number of mechanisms.
+    pub fn number(&self) -> usize {
+        1 + self.objects.len()
+    }
+
+    /// Number of velocities.
+    pub fn nv(&self) -> usize {
+        (0..self.number()).map(|m| self.get(m).nv()).sum()
+    }
+}
+
+/// A link of a mechanism; mechanism 0 is the robot.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct BodyId {
+    /// Mechanism.
+    pub mechanism: usize,
+    /// Link.
+    pub link: LinkId,
+}
+
+/// A contact of the reduced problem.
+#[derive(Clone, Copy, Debug)]
+pub enum ContactFrame<'a> {
+    /// A polygon fixed to a link of the robot, on the floor.
+    Sole(&'a Sole),
+    /// A pair of bodies; without the second one it is a contact with the world.
+    Pair(BodyId, Option<BodyId>),
+}
+
+/// One side of a contact: a link whose motion counts with a sign.
+#[derive(Clone, Debug)]
+struct Side {
+    body: BodyId,
+    sign: f64,
+    /// First entry in `y`; one per velocity of the link's support chain.
+    start: usize,
+    length: usize,
+    /// First velocity of the mechanism.
+    offset: usize,
+}
+
+/// The reduced problem of one evaluation, allocated once for a list of contacts.
 #[derive(Clone, Debug)]
 pub struct Reduced {
-    /// Number of soles F.
+    /// Number of contacts F.
     pub n: usize,
     /// W, symmetric, 6F x 6F, stored whole: entry (i, j) at `i + 6F j`.
     pub w: Vec<f64>,
@@ -32,77 +102,109 @@ pub struct Reduced {
     pub a0: Vec<f64>,
     /// J v, 6F.
     pub velocity: Vec<f64>,
-    /// Generalised acceleration without contact wrenches, `M^-1 (tau - h)`, nv.
+    /// Generalised acceleration without contact wrenches, `M^-1 (tau - h)`, of all mechanisms.
     pub free: Vec<f64>,
-    /// Reference points in the world, m, one per sole.
+    /// Reference points in the world, m, one per contact. Those of pairs are given by
+    /// [`Reduced::set_frame`].
     pub reference: Vec<Vector3<f64>>,
-    /// Orientation of the carrying links, floor axes from the link's internal frame, one per sole.
-    pub orientation: Vec<Matrix3<f64>>,
-    /// Velocities whose motion is prescribed, ascending; contact moves only the others. See
-    /// [`assemble`].
+    /// Contact axes in the world, one per contact.
+    pub axes: Vec<Matrix3<f64>>,
+    /// Velocities of the robot whose motion is prescribed, ascending; contact moves only the others.
+    /// See [`assemble`].
     pub prescribed: Vec<usize>,
     /// Vertices relative to their sole's reference point, floor axes, m; one sole after the other,
     /// see [`Reduced::vertices`].
     pub arms: Vec<Vector3<f64>>,
     vertex_start: Vec<usize>,
-    /// Carrying links, one per sole.
-    links: Vec<LinkId>,
-    /// Reference points in the links' internal frames.
-    local: Vec<Vector3<f64>>,
+    /// Soles' reference points in the links' internal frames; `None` for pairs.
+    local: Vec<Option<Vector3<f64>>>,
     /// Vertices relative to their reference points in the links' internal frames, as `arms`.
     local_arms: Vec<Vector3<f64>>,
-    /// Y: for each sole and each velocity of its support chain, six numbers.
+    /// Sides of all contacts, and the first of each.
+    sides: Vec<Side>,
+    side_start: Vec<usize>,
+    /// Y: for each side and each velocity of its support chain, six numbers.
     y: Vec<[f64; 6]>,
-    y_start: Vec<usize>,
     /// Position of the row of L of each of these velocities among its entries.
     rows: Vec<usize>,
     half: Vec<f64>,
+    /// First velocity of each mechanism, and the number of all.
+    offsets: Vec<usize>,
 }
 
 impl Reduced {
     /// Allocates for the soles of a model.
     pub fn new(model: &Model, ws: &Workspace) -> Self {
-        Self::of_soles(&model.soles, ws)
+        Self::of_contacts(model.soles.iter().map(ContactFrame::Sole), ws.into())
     }
 
-    /// Allocates for these soles.
-    pub fn of_soles(soles: &[Sole], ws: &Workspace) -> Self {
-        let n = soles.len();
-        let mut vertex_start = vec![0];
-        let mut y_start = vec![0];
-        let (mut local, mut local_arms, mut rows) = (Vec::new(), Vec::new(), Vec::new());
-        for sole in soles {
-            rows.extend(ws.support(sole.link).iter().map(|&k| ws.factor.pattern().start(k)));
-            vertex_start.push(vertex_start[vertex_start.len() - 1] + sole.vertices.len());
-            y_start.push(y_start[y_start.len() - 1] + ws.support(sole.link).len());
-            let centroid = sole.centroid();
-            local_arms.extend(sole.vertices.iter().map(|vertex| vertex - centroid));
-            local.push(centroid);
+    /// Allocates for these contacts.
+    pub fn of_contacts<'a>(contacts: impl Iterator<Item = ContactFrame<'a>>, ws: Mechanisms) -> Self {
+        let mut offsets = vec![0];
+        (0..ws.number()).for_each(|m| offsets.push(offsets[m] + ws.get(m).nv()));
+        let nv = offsets[ws.number()];
+        let mut out = Reduced {
+            n: 0,
+            w: Vec::new(),
+            a0: Vec::new(),
+            velocity: Vec::new(),
+            free: vec![0.0; nv],
+            reference: Vec::new(),
+            axes: Vec::new(),
+            prescribed: Vec::with_capacity(ws.robot.nv()),
+            arms: Vec::new(),
+            vertex_start: vec![0],
+            local: Vec::new(),
+            local_arms: Vec::new(),
+            sides: Vec::new(),
+            side_start: vec![0],
+            y: Vec::new(),
+            rows: Vec::new(),
+            half: vec![0.0; nv],
+            offsets,
+        };
+        for contact in contacts {
+            match contact {
+                ContactFrame::Sole(sole) => {
+                    let centroid = sole.centroid();
+                    out.local_arms.extend(sole.vertices.iter().map(|vertex| vertex - centroid));
+                    out.local.push(Some(centroid));
+                    out.add_side(BodyId { mechanism: 0, link: sole.link }, 1.0, ws);
+                }
+                ContactFrame::Pair(first, second) => {
+                    out.local.push(None);
+                    out.add_side(first, 1.0, ws);
+                    second.into_iter().for_each(|second| out.add_side(second, -1.0, ws));
+                }
+            }
+            out.vertex_start.push(out.local_arms.len());
+            out.side_start.push(out.sides.len());
+            out.n += 1;
         }
-        Reduced {
-            n,
-            w: vec![0.0; 36 * n * n],
-            a0: vec![0.0; 6 * n],
-            velocity: vec![0.0; 6 * n],
-            free: vec![0.0; ws.nv()],
-            reference: vec![Vector3::zeros(); n],
-            orientation: vec![Matrix3::identity(); n],
-            prescribed: Vec::with_capacity(ws.nv()),
-            arms: vec![Vector3::zeros(); vertex_start[n]],
-            vertex_start,
-            links: soles.iter().map(|sole| sole.link).collect(),
-            local,
-            local_arms,
-            y: vec![[0.0; 6]; y_start[n]],
-            y_start,
-            rows,
-            half: vec![0.0; ws.nv()],
-        }
+        let n = out.n;
+        (out.w, out.a0, out.velocity) = (vec![0.0; 36 * n * n], vec![0.0; 6 * n], vec![0.0; 6 * n]);
+        (out.reference, out.axes) = (vec![Vector3::zeros(); n], vec![Matrix3::identity(); n]);
+        out.arms = vec![Vector3::zeros(); out.local_arms.len()];
+        out
     }
 
-    /// The same for other soles, with the same prescribed velocities.
-    pub fn with_soles(&self, soles: &[Sole], ws: &Workspace) -> Self {
-        Reduced { prescribed: self.prescribed.clone(), ..Self::of_soles(soles, ws) }
+    fn add_side(&mut self, body: BodyId, sign: f64, ws: Mechanisms) {
+        let of = ws.get(body.mechanism);
+        let chain = of.support(body.link);
+        self.rows.extend(chain.iter().map(|&k| of.factor.pattern().start(k)));
+        let offset = self.offsets[body.mechanism];
+        self.sides.push(Side { body, sign, start: self.y.len(), length: chain.len(), offset });
+        self.y.resize(self.y.len() + chain.len(), [0.0; 6]);
+    }
+
+    /// The same for other contacts, with the same prescribed velocities.
+    pub fn with_contacts<'a>(&self, contacts: impl Iterator<Item = ContactFrame<'a>>, ws: Mechanisms) -> Self {
+        Reduced { prescribed: self.prescribed.clone(), ..Self::of_contacts(contacts, ws) }
+    }
+
+    /// Sets axes and reference point of the contact of a pair.
+    pub fn set_frame(&mut self, contact: usize, axes: &Matrix3<f64>, reference: &Vector3<f64>) {
+        (self.axes[contact], self.reference[contact]) = (*axes, *reference);
     }
 
     /// Range of a sole's vertices in `arms`.
@@ -111,23 +213,38 @@ impl Reduced {
         self.vertex_start[sole.0]..self.vertex_start[sole.0 + 1]
     }
 
-    /// A sole's vertices relative to its reference point, floor axes, m.
+    /// A sole's vertices relative to its reference point, floor axes, m; none for pairs.
     #[inline(always)]
     pub fn vertices(&self, sole: SoleId) -> &[Vector3<f64>] {
         &self.arms[self.vertex_range(sole)]
     }
 
-    /// The 6 x 6 block of W between two soles: entry (r, c) at `[c][r]`.
+    /// The 6 x 6 block of W between two contacts: entry (r, c) at `[c][r]`.
     #[inline]
     pub fn block(&self, row: SoleId, column: SoleId) -> [[f64; 6]; 6] {
         let size = 6 * self.n;
         std::array::from_fn(|c| std::array::from_fn(|r| self.w[6 * row.0 + r + size * (6 * column.0 + c)]))
     }
+
+    /// The links of a contact's sides.
+    pub fn bodies(&self, contact: usize) -> impl Iterator<Item = BodyId> {
+        self.sides[self.sides(contact)].iter().map(|side| side.body)
+    }
+
+    /// First velocity of mechanism `m`.
+    pub fn offset(&self, m: usize) -> usize {
+        self.offsets[m]
+    }
+
+    #[inline(always)]
+    fn sides(&self, contact: usize) -> Range<usize> {
+        self.side_start[contact]..self.side_start[contact + 1]
+    }
 }
 
-/// Fills `out` for the state in the workspace. `floor` turns floor axes into world axes; `tau`
-/// (length nv) is the generalised force of actuators, joint friction and external forces. Needs
-/// [`super::prepare`].
+/// Fills `out` for the states in the workspaces. `floor` turns floor axes into world axes; `tau` (all
+/// mechanisms) is the generalised force of actuators, joint friction and external forces. Needs
+/// [`super::prepare`], and the frames of pairs.
 ///
 /// With velocities k in `out.prescribed` at given accelerations a_k the free velocities f obey
 ///
@@ -138,23 +255,30 @@ impl Reduced {
 /// The caller factorises by [`factor::factorize_prescribed`], subtracts `M_fk a_k` from tau and
 /// writes `h_k + a_k` into its prescribed entries. Their contribution to a0 is then correct, and
 /// that to W, [`apply`] and Y is removed.
-pub fn assemble(ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64], out: &mut Reduced) {
+pub fn assemble<'a>(ws: impl Into<Mechanisms<'a>>, floor: &Matrix3<f64>, tau: &[f64], out: &mut Reduced) {
+    let ws = ws.into();
     geometry(ws, floor, out);
-    assemble_with_geometry(ws, floor, tau, out);
+    assemble_with_geometry(ws, tau, out);
 }
 
-/// As [`assemble`], where `out` has the [`geometry`] of the state in the workspace already.
-pub fn assemble_with_geometry(ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64], out: &mut Reduced) {
-    for ((half, tau), h) in out.half.iter_mut().zip(tau).zip(&ws.bias) {
-        *half = tau - h;
+/// As [`assemble`], where `out` has the [`geometry`] of the states in the workspaces already.
+pub fn assemble_with_geometry<'a>(ws: impl Into<Mechanisms<'a>>, tau: &[f64], out: &mut Reduced) {
+    let ws = ws.into();
+    for m in 0..ws.number() {
+        let (of, range) = (ws.get(m), out.offsets[m]..out.offsets[m + 1]);
+        let half = &mut out.half[range.clone()];
+        for ((half, tau), h) in half.iter_mut().zip(&tau[range.clone()]).zip(&of.bias) {
+            *half = tau - h;
+        }
+        factor::solve_lt(&of.factor, half);
+        out.free[range.clone()].copy_from_slice(half);
+        factor::solve_l(&of.factor, &mut out.free[range]);
     }
-    factor::solve_lt(&ws.factor, &mut out.half);
-    out.free.copy_from_slice(&out.half);
-    factor::solve_l(&ws.factor, &mut out.free);
-
     for s in 0..out.n {
-        half_solve(ws, floor, s, out);
-        free_motion(ws, floor, s, out);
+        for side in out.sides(s) {
+            half_solve(ws, s, side, out);
+        }
+        free_motion(ws, s, out);
         remove_prescribed(ws, s, out);
         for other in 0..=s {
             block(ws, s, other, out);
@@ -162,37 +286,59 @@ pub fn assemble_with_geometry(ws: &Workspace, floor: &Matrix3<f64>, tau: &[f64],
     }
 }
 
-/// Poses and velocities of the soles: the part of [`assemble`] that needs no forces. Needs
-/// `kinematics::update`.
-pub fn geometry(ws: &Workspace, floor: &Matrix3<f64>, out: &mut Reduced) {
+/// Poses and velocities of the contacts: the part of [`assemble`] that needs no forces. Needs
+/// `kinematics::update`, and the frames of pairs.
+pub fn geometry<'a>(ws: impl Into<Mechanisms<'a>>, floor: &Matrix3<f64>, out: &mut Reduced) {
+    let ws = ws.into();
     let to_floor = floor.transpose();
     for s in 0..out.n {
-        let link = &ws.links[out.links[s].0];
-        let r = link.origin + link.rotation * out.local[s];
-        out.reference[s] = ws.position + r;
+        let Some(local) = out.local[s] else {
+            relative_velocity(ws, s, out);
+            continue;
+        };
+        let link = &ws.robot.links[out.sides[out.side_start[s]].body.link.0];
+        let r = link.origin + link.rotation * local;
+        out.reference[s] = ws.robot.position + r;
+        out.axes[s] = *floor;
         let turn = to_floor * link.rotation;
-        out.orientation[s] = turn;
         let range = out.vertex_range(SoleId(s));
         for (arm, local) in out.arms[range.clone()].iter_mut().zip(&out.local_arms[range]) {
             *arm = turn * local;
         }
         let velocity = Motion::new(link.velocity.at(&r), link.velocity.angular);
-        write_in_floor_axes(&to_floor, &velocity, &mut out.velocity[6 * s..6 * s + 6]);
+        write_in_axes(&to_floor, &velocity, &mut out.velocity[6 * s..6 * s + 6]);
     }
 }
 
-/// Y of one sole: its Jacobian columns, then L^-T along the support chain.
-fn half_solve(ws: &Workspace, floor: &Matrix3<f64>, s: usize, out: &mut Reduced) {
-    let to_floor = floor.transpose();
-    let chain = ws.support(out.links[s]);
-    let r = out.reference[s] - ws.position;
-    let y = &mut out.y[out.y_start[s]..out.y_start[s + 1]];
-    for (y, &k) in y.iter_mut().zip(chain) {
-        let axis = &ws.axes[k];
-        write_in_floor_axes(&to_floor, &Motion::new(axis.at(&r), axis.angular), y);
+/// Velocity of the first side's link at the reference point of a pair, less that of the second's.
+fn relative_velocity(ws: Mechanisms, s: usize, out: &mut Reduced) {
+    let mut velocity = Motion::ZERO;
+    for side in &out.sides[out.sides(s)] {
+        let of = ws.get(side.body.mechanism);
+        let twist = &of.links[side.body.link.0].velocity;
+        let r = out.reference[s] - of.position;
+        velocity += Motion::new(twist.at(&r), twist.angular).scaled(side.sign);
     }
-    let rows = &out.rows[out.y_start[s]..out.y_start[s + 1]];
-    let l = ws.factor.entries();
+    write_in_axes(&out.axes[s].transpose(), &velocity, &mut out.velocity[6 * s..6 * s + 6]);
+}
+
+/// Y of one side: its Jacobian columns, then L^-T along the support chain.
+fn half_solve(ws: Mechanisms, s: usize, side: usize, out: &mut Reduced) {
+    let to_contact = out.axes[s].transpose();
+    let side = &out.sides[side];
+    let of = ws.get(side.body.mechanism);
+    let chain = of.support(side.body.link);
+    let r = out.reference[s] - of.position;
+    let y = &mut out.y[side.start..side.start + side.length];
+    for (y, &k) in y.iter_mut().zip(chain) {
+        let axis = &of.axes[k];
+        write_in_axes(&to_contact, &Motion::new(axis.at(&r), axis.angular), y);
+    }
+    if side.sign < 0.0 {
+        y.iter_mut().flatten().for_each(|y| *y = -*y);
+    }
+    let rows = &out.rows[side.start..side.start + side.length];
+    let l = of.factor.entries();
     for e in (0..chain.len()).rev() {
         let (above, below) = y.split_at_mut(e + 1);
         // The sum stays in registers.
@@ -206,60 +352,111 @@ fn half_solve(ws: &Workspace, floor: &Matrix3<f64>, s: usize, out: &mut Reduced)
     }
 }
 
-/// Rows of `a0`: Y^T L^-T (tau - h), and Jdot v from the link's acceleration at vdot = 0.
-fn free_motion(ws: &Workspace, floor: &Matrix3<f64>, s: usize, out: &mut Reduced) {
-    let link = &ws.links[out.links[s].0];
-    let r = out.reference[s] - ws.position;
+/// Rows of `a0`: Y^T L^-T (tau - h), and Jdot v from the links' accelerations at vdot = 0.
+fn free_motion(ws: Mechanisms, s: usize, out: &mut Reduced) {
+    let mut products = Motion::ZERO;
+    for side in &out.sides[out.sides(s)] {
+        let of = ws.get(side.body.mechanism);
+        let link = &of.links[side.body.link.0];
+        let r = out.reference[s] - of.position;
+        products = match out.local[s] {
+            Some(_) => classical(&link.drift, &link.velocity, &r),
+            // Of the link's origin; that of points relative to it belongs to the vertices.
+            None => {
+                let origin = classical(&link.drift, &link.velocity, &link.origin);
+                let turn = link.drift.angular.cross(&(r - link.origin));
+                products + Motion::new(origin.linear + turn, link.drift.angular).scaled(side.sign)
+            }
+        };
+    }
+    let sides = out.sides(s);
     let a0 = &mut out.a0[6 * s..6 * s + 6];
-    write_in_floor_axes(&floor.transpose(), &classical(&link.drift, &link.velocity, &r), a0);
+    write_in_axes(&out.axes[s].transpose(), &products, a0);
     let mut sum: [f64; 6] = std::array::from_fn(|i| a0[i]);
-    let y = &out.y[out.y_start[s]..out.y_start[s + 1]];
-    for (y, &k) in y.iter().zip(ws.support(out.links[s])) {
-        let half = out.half[k];
-        sum.iter_mut().zip(y).for_each(|(a, y)| *a += y * half);
+    for side in &out.sides[sides] {
+        let y = &out.y[side.start..side.start + side.length];
+        for (y, &k) in y.iter().zip(ws.get(side.body.mechanism).support(side.body.link)) {
+            let half = out.half[side.offset + k];
+            sum.iter_mut().zip(y).for_each(|(a, y)| *a += y * half);
+        }
     }
     a0.copy_from_slice(&sum);
 }
 
-/// Removes the prescribed velocities from Y of one sole.
-fn remove_prescribed(ws: &Workspace, s: usize, out: &mut Reduced) {
-    let chain = ws.support(out.links[s]);
-    for k in &out.prescribed {
-        if let Ok(e) = chain.binary_search(k) {
-            out.y[out.y_start[s] + e] = [0.0; 6];
+/// Removes the prescribed velocities of the robot from Y of one contact.
+fn remove_prescribed(ws: Mechanisms, s: usize, out: &mut Reduced) {
+    if out.prescribed.is_empty() {
+        return;
+    }
+    for side in &out.sides[out.sides(s)] {
+        if side.body.mechanism != 0 {
+            continue;
+        }
+        let chain = ws.robot.support(side.body.link);
+        for k in &out.prescribed {
+            if let Ok(e) = chain.binary_search(k) {
+                out.y[side.start + e] = [0.0; 6];
+            }
         }
     }
 }
 
-/// Generalised force of sole wrenches on velocity `k`, `(J^T w)_k`; `w` has length 6F. Needs
-/// [`geometry`].
-pub fn load(ws: &Workspace, floor: &Matrix3<f64>, reduced: &Reduced, w: &[f64], k: usize) -> f64 {
+/// Generalised force of contact wrenches on the robot's velocity `k`, `(J^T w)_k`; `w` has length 6F.
+/// Needs [`geometry`].
+pub fn load(ws: &Workspace, reduced: &Reduced, w: &[f64], k: usize) -> f64 {
     let mut sum = 0.0;
-    for (s, link) in reduced.links.iter().enumerate() {
-        if ws.support(*link).binary_search(&k).is_ok() {
-            let vector = |at: usize| floor * Vector3::new(w[6 * s + at], w[6 * s + at + 1], w[6 * s + at + 2]);
-            let axis = &ws.axes[k];
-            let r = reduced.reference[s] - ws.position;
-            sum += axis.at(&r).dot(&vector(0)) + axis.angular.dot(&vector(3));
+    for s in 0..reduced.n {
+        for side in reduced.sides[reduced.sides(s)].iter().filter(|side| side.body.mechanism == 0) {
+            if ws.support(side.body.link).binary_search(&k).is_ok() {
+                let axes = &reduced.axes[s];
+                let vector = |at: usize| axes * Vector3::new(w[6 * s + at], w[6 * s + at + 1], w[6 * s + at + 2]);
+                let axis = &ws.axes[k];
+                let r = reduced.reference[s] - ws.position;
+                sum += side.sign * (axis.at(&r).dot(&vector(0)) + axis.angular.dot(&vector(3)));
+            }
         }
     }
     sum
 }
 
+/// Adds the row `g^T J` of a contact's point to `out`, of all velocities: g is a vector in the world,
+/// `point` a world position. Needs `kinematics::update`.
+pub fn add_point_row(
+    ws: Mechanisms,
+    reduced: &Reduced,
+    s: usize,
+    point: &Vector3<f64>,
+    g: &Vector3<f64>,
+    out: &mut [f64],
+) {
+    for side in &reduced.sides[reduced.sides(s)] {
+        let of = ws.get(side.body.mechanism);
+        let r = point - of.position;
+        for &k in of.support(side.body.link) {
+            out[side.offset + k] += side.sign * g.dot(&of.axes[k].at(&r));
+        }
+    }
+}
+
 /// Block (s, other) of W and its mirror image.
-fn block(ws: &Workspace, s: usize, other: usize, out: &mut Reduced) {
-    let (a, b) = (ws.support(out.links[s]), ws.support(out.links[other]));
-    let shared = a.iter().zip(b).take_while(|(i, j)| i == j).count();
-    let ya = &out.y[out.y_start[s]..][..shared];
-    let yb = &out.y[out.y_start[other]..][..shared];
+fn block(ws: Mechanisms, s: usize, other: usize, out: &mut Reduced) {
     let size = 6 * out.n;
     // Three columns at a time stay in registers.
     for first in [0, 3] {
         let mut sum = [[0.0; 6]; 3];
-        for (ya, yb) in ya.iter().zip(yb) {
-            for (column, &b) in sum.iter_mut().zip(&yb[first..]) {
-                for (x, &a) in column.iter_mut().zip(ya) {
-                    *x += a * b;
+        for a in &out.sides[out.sides(s)] {
+            let of = ws.get(a.body.mechanism);
+            let chain = of.support(a.body.link);
+            for b in out.sides[out.sides(other)].iter().filter(|b| b.body.mechanism == a.body.mechanism) {
+                let shared = chain.iter().zip(of.support(b.body.link)).take_while(|(i, j)| i == j).count();
+                let ya = &out.y[a.start..][..shared];
+                let yb = &out.y[b.start..][..shared];
+                for (ya, yb) in ya.iter().zip(yb) {
+                    for (column, &b) in sum.iter_mut().zip(&yb[first..]) {
+                        for (x, &a) in column.iter_mut().zip(ya) {
+                            *x += a * b;
+                        }
+                    }
                 }
             }
         }
@@ -273,25 +470,30 @@ fn block(ws: &Workspace, s: usize, other: usize, out: &mut Reduced) {
     }
 }
 
-/// Adds `M^-1 J^T w` to `out`, of length nv: accelerations for wrenches `w`, velocity jumps for
+/// Adds `M^-1 J^T w` to `out`, of all mechanisms: accelerations for wrenches `w`, velocity jumps for
 /// impulses. `w` has length 6F. Needs [`assemble`].
-pub fn apply(ws: &Workspace, reduced: &mut Reduced, w: &[f64], out: &mut [f64]) {
+pub fn apply<'a>(ws: impl Into<Mechanisms<'a>>, reduced: &mut Reduced, w: &[f64], out: &mut [f64]) {
+    let ws = ws.into();
     reduced.half.fill(0.0);
-    for (s, link) in reduced.links.iter().enumerate() {
+    for s in 0..reduced.n {
         let w = &w[6 * s..6 * s + 6];
-        let y = &reduced.y[reduced.y_start[s]..reduced.y_start[s + 1]];
-        for (y, &k) in y.iter().zip(ws.support(*link)) {
-            reduced.half[k] += y.iter().zip(w).map(|(y, w)| y * w).sum::<f64>();
+        for side in &reduced.sides[reduced.side_start[s]..reduced.side_start[s + 1]] {
+            let y = &reduced.y[side.start..side.start + side.length];
+            for (y, &k) in y.iter().zip(ws.get(side.body.mechanism).support(side.body.link)) {
+                reduced.half[side.offset + k] += y.iter().zip(w).map(|(y, w)| y * w).sum::<f64>();
+            }
         }
     }
-    factor::solve_l(&ws.factor, &mut reduced.half);
+    for m in 0..ws.number() {
+        factor::solve_l(&ws.get(m).factor, &mut reduced.half[reduced.offsets[m]..reduced.offsets[m + 1]]);
+    }
     for (out, x) in out.iter_mut().zip(&reduced.half) {
         *out += x;
     }
 }
 
 #[inline(always)]
-fn write_in_floor_axes(to_floor: &Matrix3<f64>, m: &Motion, out: &mut [f64]) {
-    out[..3].copy_from_slice((to_floor * m.linear).as_slice());
-    out[3..6].copy_from_slice((to_floor * m.angular).as_slice());
+fn write_in_axes(to_contact: &Matrix3<f64>, m: &Motion, out: &mut [f64]) {
+    out[..3].copy_from_slice((to_contact * m.linear).as_slice());
+    out[3..6].copy_from_slice((to_contact * m.angular).as_slice());
 }

@@ -153,7 +153,8 @@ pub struct Contact {
     /// The soles in the model's order.
     #[prost(message, repeated, tag = "2")]
     pub soles: Vec<Sole>,
-    /// Other links that touch the floor or are about to, by name; their vertices change.
+    /// Other contacts, closed or about to close, by name: of links with the floor, and of pairs of bodies
+    /// (`A on B`). Their vertices change.
     #[prost(message, repeated, tag = "3")]
     pub links: Vec<Sole>,
 }

@@ -233,6 +233,12 @@ metrics! {
         contact). The effect of external forces counts.";
     max_flight_spin_drift_nms("max_flight_spin_drift_Nms"): Running, "N m s", Simulation,
         "Greatest change of the angular momentum about the centre of mass in a flight.";
+    final_object_shift_m("final_object_shift_m"): OptionalReal, "m", Simulation,
+        "Greatest distance of the frame of an object from its initial position at the end; empty without objects.";
+    final_object_turn_rad("final_object_turn_rad"): OptionalReal, "rad", Simulation,
+        "Greatest angle of an object from its initial orientation at the end.";
+    final_object_speed_m_per_s("final_object_speed_m_per_s"): OptionalReal, "m/s", Simulation,
+        "Greatest speed of the frame of an object at the end.";
     max_estimate_error_m("max_estimate_error_m"): OptionalReal, "m", Simulation,
         "Greatest distance between the estimated base and the true one at a control tick; empty with estimator `truth`.";
     max_estimate_error_rad("max_estimate_error_rad"): OptionalReal, "rad", Simulation, "Greatest angle between them.";

@@ -15,6 +15,7 @@ use crate::scenario::format::event::EventSpec;
 use crate::scenario::format::expect::Expect;
 use crate::scenario::format::floor::FloorSpec;
 use crate::scenario::format::force::ForceSpec;
+use crate::scenario::format::object::ObjectSpec;
 use crate::scenario::format::robot::RobotSpec;
 use crate::scenario::format::run::{LogSpec, StopSpec};
 use crate::scenario::format::self_collision::SelfCollisionSpec;
@@ -67,6 +68,9 @@ pub struct Scenario {
     pub task: Vec<TaskSpec>,
     /// External forces.
     pub force: Vec<ForceSpec>,
+    /// Bodies besides the robot.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub object: Vec<ObjectSpec>,
     /// Changes of parameters during the run.
     pub event: Vec<EventSpec>,
     /// Detection and avoidance of collisions of the robot with itself.
@@ -111,6 +115,7 @@ impl Default for Scenario {
             sensors: SensorsSpec::default(),
             task: Vec::new(),
             force: Vec::new(),
+            object: Vec::new(),
             event: Vec::new(),
             self_collision: None,
             log: LogSpec::default(),
@@ -159,6 +164,7 @@ pub(super) fn read(root: &Node) -> (Option<Scenario>, Findings) {
         sensors: part.value("sensors", default.sensors),
         task: part.tagged("task"),
         force: part.tagged("force"),
+        object: part.tagged("object"),
         event: part.list("event"),
         self_collision: part.with("self_collision", None, |d| SelfCollisionSpec::deserialize(d).map(Some)),
         log: part.value("log", default.log),

@@ -8,6 +8,7 @@
 //! | `plant` | equations of motion with the contact states held fixed |
 //! | `actuation` | drives, joint friction and stops, lag, speed limits, paths of kinematic joints |
 //! | `floor` | the plane and its friction regions |
+//! | `bodies` | bodies that touch each other, and the patches of touching pairs |
 //! | `sensing` | sensors with errors, IMU, base estimators |
 //! | `run` | state of a run without its stepper: control ticks, scenario events, carried objects |
 //! | `contact_states` | choice of contact states at an instant |
@@ -17,11 +18,12 @@
 //! `assemble` builds a [`Setup`] from a scenario; library users fill one. Does not access files or
 //! logs.
 //!
-//! Imports: `math`, `text`, `geometry`, `integrate`, `random`, `metrics`, `robot`, `dynamics`,
-//! `contact`, `collision`, `task`, `force`, `terrain`. Used by: `log`, `assemble`, `results`, `report`,
+//! Imports: `math`, `text`, `geometry`, `integrate`, `random`, `metrics`, `robot`, `terrain`, `dynamics`,
+//! `patches`, `contact`, `collision`, `task`, `force`. Used by: `log`, `assemble`, `results`, `report`,
 //! `remote`, `batch`, `replay`, `console`, `api`, `cli`.
 
 pub mod actuation;
+pub mod bodies;
 pub mod carried_object;
 pub mod command_source;
 mod contact_states;

@@ -35,6 +35,8 @@ pub struct Snapshot {
     pub qd_desired: Vec<f64>,
     /// Poses of the links' URDF frames in the world, in the model's link order.
     pub link_poses: Vec<Isometry3<f64>>,
+    /// Poses of the links of all objects in the world.
+    pub object_poses: Vec<Isometry3<f64>>,
     /// Centre of mass.
     pub com: Vector3<f64>,
     /// Velocity of the centre of mass.
@@ -50,7 +52,8 @@ pub struct Snapshot {
     pub points: Vec<PointOfInterest>,
     /// One per sole, in the model's order.
     pub soles: Vec<SoleSnapshot>,
-    /// Other links that touch the floor or are about to: name, and a face of the link's hull.
+    /// Other contacts, closed or about to close: of links with the floor (name of the link, a face of its
+    /// hull), then of pairs of bodies (names of both, the corners of the patch).
     pub links: Vec<(String, SoleSnapshot)>,
     /// External forces now acting: point, force.
     pub external: Vec<(Vector3<f64>, Vector3<f64>)>,

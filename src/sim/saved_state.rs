@@ -1,5 +1,6 @@
 //! States of the robot saved and restored by scenario events.
 
+use super::bodies::PairPatch;
 use super::contact_states::link_contacts::{LinkContacts, LinkPolygon};
 use super::plant::Plant;
 use crate::contact::model::solution::Solution;
@@ -11,8 +12,10 @@ use nalgebra::{Vector2, Vector3};
 #[derive(Clone)]
 pub struct SavedState {
     state: State,
-    /// Polygons of links, to be set before the state is restored.
-    pub polygons: Vec<LinkPolygon>,
+    objects: Vec<State>,
+    /// Polygons of links and pairs, to be set before the state is restored.
+    links: Option<Vec<LinkPolygon>>,
+    pairs: Vec<PairPatch>,
     states: States,
     directions: Vec<Vec<Vector2<f64>>>,
     fast_slips: [u64; MAX_SOLES],
@@ -27,7 +30,9 @@ impl SavedState {
     pub fn new(plant: &Plant, anchors: &[Vec<Vector3<f64>>]) -> Self {
         SavedState {
             state: plant.state.clone(),
-            polygons: Vec::new(),
+            objects: plant.objects.list.iter().map(|object| object.state.clone()).collect(),
+            links: None,
+            pairs: Vec::new(),
             states: plant.states,
             directions: plant.directions.clone(),
             fast_slips: plant.fast_slips,
@@ -35,6 +40,11 @@ impl SavedState {
             suspect: [0; MAX_SOLES],
             solution: Solution::new(&plant.problem),
         }
+    }
+
+    /// The polygons of links, if they touch, and the patches of pairs.
+    pub fn polygons(&self) -> (Option<Vec<LinkPolygon>>, Vec<PairPatch>) {
+        (self.links.clone(), self.pairs.clone())
     }
 
     /// Saves the present state.
@@ -45,7 +55,9 @@ impl SavedState {
         suspect: &[u8; MAX_SOLES],
         links: Option<&LinkContacts>,
     ) {
-        self.polygons = links.map_or(Vec::new(), |links| links.present.clone());
+        self.links = links.map(|links| links.present.clone());
+        self.pairs = plant.pair_patches().cloned().collect();
+        self.objects.iter_mut().zip(&plant.objects.list).for_each(|(to, object)| to.copy_from(&object.state));
         self.state.copy_from(&plant.state);
         self.states = plant.states;
         self.directions.clone_from(&plant.directions);
@@ -61,6 +73,8 @@ impl SavedState {
         let time = plant.state.time;
         plant.state.copy_from(&self.state);
         plant.state.time = time;
+        plant.objects.list.iter_mut().zip(&self.objects).for_each(|(object, from)| object.state.copy_from(from));
+        plant.objects.set_time(time);
         plant.apply_prescribed_motion();
         plant.states = self.states;
         copy(&mut plant.directions, &self.directions);

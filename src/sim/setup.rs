@@ -1,9 +1,10 @@
 //! Description of one run in physical terms. [`crate::assemble`] builds it from a scenario.
 
+use super::bodies::{Body, Pair};
 use super::carried_object::CarriedObject;
 use super::command_source::CommandSource;
 use super::floor::{Floor, LinkHull};
-use super::plant::PlantSetup;
+use super::plant::{ObjectSetup, PlantSetup};
 use super::scenario_event::ScenarioEvent;
 use super::self_collision::SelfCollisionSetup;
 use super::sensing::{EstimatorSetup, Imu, SensorErrors};
@@ -97,7 +98,7 @@ pub struct Setup {
     pub gravity: Vector3<f64>,
     /// The floor.
     pub floor: Floor,
-    /// Fixed bodies besides the floor. Contact with them is not computed yet.
+    /// Fixed bodies besides the floor.
     pub terrain: Arc<Terrain>,
     /// Contact.
     pub contact: ContactSetup,
@@ -113,6 +114,10 @@ pub struct Setup {
     pub command_source: Option<Box<dyn CommandSource>>,
     /// External forces.
     pub forces: Vec<Box<dyn Force>>,
+    /// Objects besides the robot.
+    pub objects: Vec<ObjectSetup>,
+    /// Bodies that touch each other, and their pairs.
+    pub bodies: (Vec<Body>, Vec<Pair>),
     /// Objects that links carry for a time.
     pub carried_objects: Vec<CarriedObject>,
     /// Errors of the sensors; none: all readings are exact.
@@ -162,6 +167,7 @@ impl Setup {
                 mu_s: 0.8,
                 mu_k: 0.6,
                 patches: Vec::new(),
+                is_absent: false,
             },
             terrain: Arc::default(),
             contact: ContactSetup {
@@ -182,6 +188,8 @@ impl Setup {
             tasks: TaskServer::new(1000.0, &model, command),
             command_source: None,
             forces: Vec::new(),
+            objects: Vec::new(),
+            bodies: (Vec::new(), Vec::new()),
             carried_objects: Vec::new(),
             sensors: None,
             imu: Imu::default(),
@@ -216,6 +224,9 @@ impl Setup {
             gravity: self.gravity,
             floor: self.floor.clone(),
             state: self.initial_state(),
+            objects: std::mem::take(&mut self.objects),
+            bodies: std::mem::take(&mut self.bodies.0),
+            terrain: self.terrain.clone(),
             joint_stops: self.joint_stops,
             forces: std::mem::take(&mut self.forces),
             command: self.tasks.command.clone(),

@@ -2,6 +2,8 @@
 
 use super::carried_object::CarriedObjects;
 use super::contact_states::link_contacts::LinkContacts;
+use super::contact_states::pair_contacts::PairContacts;
+use super::contact_states::terrain_pairs::TerrainPairs;
 use super::event_kind::EventKind;
 use super::floor::SunkLinks;
 use super::measure::energy_balance::EnergyAccount;
@@ -56,7 +58,8 @@ impl Simulation {
                 (v.mu_s, v.mu_k) = (setup.floor.mu_s, setup.floor.mu_k);
             }
         }
-        problem.scale = load_scale(&model, &setup.gravity);
+        let objects: f64 = setup.objects.iter().map(|object| object.model.mass()).sum();
+        problem.scale = load_scale(model.mass() + objects, &setup.gravity);
         let method = setup.contact.method.solver(&problem);
         let projection = Solution::new(&problem);
         let corners = setup.corners();
@@ -81,6 +84,7 @@ impl Simulation {
         }
         let self_collision = SelfCollisionMonitor::of_run(&mut setup, &plant.state);
         first.self_contact = self_collision.as_ref().map(|monitor| monitor.blank());
+        let terrain = (!setup.terrain.is_empty()).then(|| TerrainPairs::new(setup.terrain.clone(), &plant.bodies));
         let mut run = RunState {
             tolerances,
             contact: setup.contact,
@@ -98,7 +102,7 @@ impl Simulation {
             anchors: model.soles.iter().map(|s| vec![Vector3::zeros(); s.vertices.len()]).collect(),
             before_selection: projection.clone(),
             projection,
-            displacement: vec![0.0; model.nv()],
+            displacement: vec![0.0; plant.acceleration.len()],
             recorded_problem: None,
             log: SnapshotLog::new(first, setup.log_rate),
             sampler: None,
@@ -112,6 +116,7 @@ impl Simulation {
             duration: setup.duration,
             fallen_below: setup.fallen_below,
             sunk_links: (setup.ends_when_sunk && setup.touching_links.is_none()).then(|| SunkLinks::new(&model)),
+            pairs: PairContacts::new(std::mem::take(&mut setup.bodies.1), terrain),
             links: setup.touching_links.map(|hulls| Box::new(LinkContacts::new(hulls))),
             last_collision: f64::NEG_INFINITY,
             stall_guard: StallGuard::default(),

@@ -28,6 +28,12 @@ pub fn check_finite(plant: &Plant) -> Result<(), RunError> {
     if let Some(x) = state.position.iter().chain(&state.joints).find(|x| implausible(x)) {
         return Err(diverged(plant, &format!("a position is {x:e}")));
     }
+    for object in &plant.objects.list {
+        let state = &object.state;
+        if let Some(x) = state.v.iter().chain(state.position.iter()).find(|x| implausible(x)) {
+            return Err(diverged(plant, &format!("a velocity or position of `{}` is {x:e}", object.name)));
+        }
+    }
     Ok(())
 }
 

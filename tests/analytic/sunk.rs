@@ -75,7 +75,14 @@ fn robots_without_soles_and_fixed_ones_continue() {
     assert_eq!(end(text).0, Outcome::Passed);
 
     let block = robot::load(&root().join("robots/block/block.toml")).unwrap().model;
-    let floor = Floor { rotation: Matrix3::identity(), point: Vector3::z(), mu_s: 0.8, mu_k: 0.6, patches: Vec::new() };
+    let floor = Floor {
+        rotation: Matrix3::identity(),
+        point: Vector3::z(),
+        mu_s: 0.8,
+        mu_k: 0.6,
+        patches: Vec::new(),
+        is_absent: false,
+    };
     let depth = |model: &Model| {
         let mut ws = Workspace::new(model);
         kinematics::update(model, &State::home(model), &mut ws);

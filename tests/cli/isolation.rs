@@ -44,8 +44,10 @@ fn log_and_panic(job: &Job, log: &Path) -> RunEnd {
         scenario: AttachedText { name: "s.toml", text: &job.run.resolved_toml },
         robot: None,
         urdf: AttachedText { name: "block.urdf", text: &job.robot.urdf_text },
-        floor: nalgebra::Isometry3::identity(),
+        floor: Some(nalgebra::Isometry3::identity()),
         patches: &[],
+        objects: &[],
+        terrain: &Default::default(),
         inputs: &[],
         topics: TopicGroups::ALL,
     };

@@ -248,7 +248,7 @@ fn the_upper_face_of_the_slab_is_the_floor() {
     assert_eq!(floor.frame_id, "world");
     let slab = floor.cubes[0];
     let top = isometry(slab.pose) * Translation3::new(0.0, 0.0, 0.5 * slab.size.unwrap().z);
-    assert!(distance(&top, &sample::header(TopicGroups::ALL).floor) < 1e-15);
+    assert!(distance(&top, &sample::header(TopicGroups::ALL).floor.unwrap()) < 1e-15);
     assert!(floor.lines[0].points.iter().all(|p| p.z == 0.0 && p.x.abs() <= 5.0 && p.y.abs() <= 5.0));
 }
 

@@ -174,6 +174,7 @@ pub fn snapshot(tick: usize) -> Snapshot {
         q_desired: vec![wobble(tick, 7), wobble(tick, 8)],
         qd_desired: vec![wobble(tick, 9), 0.0],
         link_poses: link_poses.clone(),
+        object_poses: Vec::new(),
         com: vector(tick, 200),
         com_velocity: vector(tick, 203),
         centre_of_pressure: (state != "free").then(|| vector(tick, 206)),
@@ -240,6 +241,9 @@ pub fn event(tick: usize) -> SimEvent {
     }
 }
 
+/// No terrain.
+static TERRAIN: LazyLock<stiction::terrain::Terrain> = LazyLock::new(Default::default);
+
 /// A patch on the tilted floor.
 pub static PATCHES: LazyLock<Vec<Vec<Vector3<f64>>>> =
     LazyLock::new(|| vec![vec![vector(0, 500), vector(0, 510), vector(0, 520)]]);
@@ -252,8 +256,10 @@ pub fn header(topics: TopicGroups) -> LogHeader<'static> {
         scenario: AttachedText { name: "sample.toml", text: SCENARIO },
         robot: Some(AttachedText { name: "robot.toml", text: ROBOT }),
         urdf: AttachedText { name: "sample.urdf", text: URDF },
-        floor: isometry(0.0, 0.0, -0.1, [0.2, 0.0, 0.0]),
+        floor: Some(isometry(0.0, 0.0, -0.1, [0.2, 0.0, 0.0])),
         patches: &PATCHES,
+        objects: &[],
+        terrain: &TERRAIN,
         inputs: &[],
         topics,
     }

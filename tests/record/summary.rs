@@ -20,7 +20,7 @@ const AFTER: &str = "duration_s, wall_s, cpu_s, real_time_factor, steps, rejecte
     final_base_z, final_base_roll, final_base_pitch, final_base_yaw, final_base_vx, final_base_vy, final_base_vz, \
     max_penetration_m, max_static_creep_m, max_lift_m, max_cone_excess, energy_error_J, error_position_rms_m, \
     error_joint_rms_rad, error_force_rms_N, contact_state_agreement, first_touchdown_s, first_liftoff_s, \
-    first_slip_s, first_stick_s, first_fall_s, max_projection_m, rms_penetration_m, max_tension_N, rms_tension_N, max_signorini_Nm, rms_signorini_Nm, rms_cone_excess_N, max_dissipation_gap_W, rms_dissipation_gap_W, max_creep_speed_m_per_s, rms_creep_speed_m_per_s, max_resultant_gap_N, force_flickers, max_energy_error_J, rms_energy_error_J, energy_change_J, actuator_work_J, external_work_J, joint_loss_J, friction_loss_J, impact_loss_J, final_base_wx_rad_s, final_base_wy_rad_s, final_base_wz_rad_s, final_com_x_m, final_com_y_m, final_com_z_m, final_com_vx_m_s, final_com_vy_m_s, final_com_vz_m_s, final_base_shift_m, final_base_sideways_m, final_normal_force_N, final_cop_offset_m, first_tip_s, last_impact_s, first_impact_speed_ratio, max_flight_path_drift_m, max_flight_spin_drift_Nms, max_estimate_error_m, max_estimate_error_rad, final_estimate_error_m, final_estimate_error_rad, min_self_distance_m, self_collisions, self_near_s, avoidance_cycles, avoidance_early_cycles, avoidance_blocked_cycles, avoidance_tests_mean, avoidance_tests_max, avoidance_held_share, avoidance_rms_deviation, avoidance_max_deviation, error_final_position_m, error_final_rotation_rad, \
+    first_slip_s, first_stick_s, first_fall_s, max_projection_m, rms_penetration_m, max_tension_N, rms_tension_N, max_signorini_Nm, rms_signorini_Nm, rms_cone_excess_N, max_dissipation_gap_W, rms_dissipation_gap_W, max_creep_speed_m_per_s, rms_creep_speed_m_per_s, max_resultant_gap_N, force_flickers, max_energy_error_J, rms_energy_error_J, energy_change_J, actuator_work_J, external_work_J, joint_loss_J, friction_loss_J, impact_loss_J, final_base_wx_rad_s, final_base_wy_rad_s, final_base_wz_rad_s, final_com_x_m, final_com_y_m, final_com_z_m, final_com_vx_m_s, final_com_vy_m_s, final_com_vz_m_s, final_base_shift_m, final_base_sideways_m, final_normal_force_N, final_cop_offset_m, first_tip_s, last_impact_s, first_impact_speed_ratio, max_flight_path_drift_m, max_flight_spin_drift_Nms, final_object_shift_m, final_object_turn_rad, final_object_speed_m_per_s, max_estimate_error_m, max_estimate_error_rad, final_estimate_error_m, final_estimate_error_rad, min_self_distance_m, self_collisions, self_near_s, avoidance_cycles, avoidance_early_cycles, avoidance_blocked_cycles, avoidance_tests_mean, avoidance_tests_max, avoidance_held_share, avoidance_rms_deviation, avoidance_max_deviation, error_final_position_m, error_final_rotation_rad, \
     timing_wall_min_s, timing_wall_median_s, timing_cpu_min_s, timing_cpu_median_s, avoidance_cpu_s, avoidance_cycles_cpu_s";
 
 /// Columns of truths that some rows have.
@@ -269,6 +269,9 @@ fn every_column_has_its_own_metric() {
         ("first_impact_speed_ratio", Some(0.75)),
         ("max_flight_path_drift_m", Some(3e-12)),
         ("max_flight_spin_drift_Nms", Some(4e-13)),
+        ("final_object_shift_m", Some(0.3)),
+        ("final_object_turn_rad", Some(0.4)),
+        ("final_object_speed_m_per_s", None),
         ("max_estimate_error_m", Some(0.002)),
         ("max_estimate_error_rad", None),
         ("final_estimate_error_m", Some(1e-3)),

@@ -139,6 +139,25 @@ const BELOW_ROBOT: &[Broken] = &[
     ),
     // Terrain.
     Broken("[floor]\nplane = 0", (4, 9), "`floor.plane` must be", ""),
+    Broken("[[object]]\ntype = \"ball\"", (4, 8), "unknown object type `ball`", ""),
+    Broken(
+        "[[object]]\ntype = \"sphere\"\nradius = 0\nmass = 1",
+        (5, 10),
+        "`object.0.radius` must be greater than 0, not 0",
+        "",
+    ),
+    Broken(
+        "[[object]]\ntype = \"box\"\nsize = [1, 1, 1e7]\nmass = 1",
+        (5, 15),
+        "`object.0.size.2` must be from 0.000001 to 1000000 m, not 10000000",
+        "",
+    ),
+    Broken(
+        "[[object]]\ntype = \"box\"\nsize = [1, 1, 1]\nmass = 1e12",
+        (6, 8),
+        "`object.0.mass` must be from 0.000000001 to 1000000000 kg, not 1000000000000",
+        "",
+    ),
     Broken("[[terrain]]\ntype = \"stair\"", (4, 8), "unknown terrain type `stair`", "did you mean `stairs`?"),
     Broken(
         "[[terrain]]\nsize = [1, 1, 1]",

@@ -5,7 +5,7 @@ use std::path::Path;
 use stiction::nalgebra::{Matrix3, Vector3};
 use stiction::scenario::{Diagnostic, Run, parse};
 use stiction::terrain::{PieceRef, Terrain, TerrainPiece};
-use stiction::{assemble, geometry::Plane, robot};
+use stiction::{assemble, geometry::Plane};
 
 use super::{FULL, runs};
 
@@ -184,20 +184,4 @@ fn the_number_of_faces_has_a_bound() {
     let stairs = "[[terrain]]\ntype = \"stairs\"\nsteps = 1000\nrise = 0.1\nrun = 0.3\nwidth = 1\n";
     let message = "with `terrain.166` the terrain has 1002000 faces, at most 1000000 are allowed";
     refused(&stairs.repeat(167), &[], Some(("s.toml", 998, 1)), message);
-}
-
-#[test]
-fn terrain_is_refused_until_robots_can_touch_it() {
-    let text = "floor.plane = false\n[[terrain]]\ntype = \"box\"\nsize = [1, 1, 1]\n";
-    let (_folder, run) = run(text, &[]);
-    let robot = robot::load(&run.resolve(&run.scenario.robot.model)).unwrap();
-    let errors = assemble::setup(&run, &robot).err().unwrap();
-    let messages: Vec<&str> = errors.iter().map(|e| e.message.as_str()).collect();
-    assert_eq!(
-        messages,
-        [
-            "`[[terrain]]` is not supported yet: robots touch the floor alone",
-            "`floor.plane = false` is not supported yet"
-        ]
-    );
 }

@@ -15,14 +15,16 @@ use crate::files::RecordError;
 use crate::log::{AttachedText, LogHeader, LogWriter, MessageSink, ProblemWriter, TopicGroups};
 use crate::remote::{Address, KeyFile, LinkError, RobotClient};
 use crate::results::{Comparator, ReferenceMotion};
-use crate::robot::{Model, Robot};
+use crate::robot::{Link, Model, Robot};
 use crate::scenario::{LogTopic, Run, host_and_port};
 use crate::script::interruption_flag;
 use crate::sim::CommandSource;
 use crate::sim::Floor;
 use crate::sim::RemoteRun;
+use crate::sim::plant::objects::named_links;
 use crate::sim::sensing::EstimatorSetup;
 use crate::sim::{Observer, ObserverError, Outcome, Problems, RunError, Sample, Setup, SimEvent, Simulation, Snapshot};
+use crate::terrain::Terrain;
 
 /// Simulates a job; ends at the next step once `cancel` is set. Loading of scripts ends too if they
 /// are [`interruptible`](crate::script::interruptible) by it.
@@ -270,19 +272,36 @@ fn open_log(
         &job.run,
         &job.key,
         &job.robot,
-        (&setup.model, &setup.floor),
+        &Scene {
+            model: &setup.model,
+            floor: &setup.floor,
+            objects: named_links(setup.objects.iter().map(|o| (o.name.as_str(), &*o.model))),
+            terrain: &setup.terrain,
+        },
         setup.contact.method.name(),
         topics,
     )
 }
 
-/// Opens the log of a run with this robot and floor.
+/// What a log shows besides the robot's state.
+pub(crate) struct Scene<'a> {
+    /// The robot.
+    pub model: &'a Model,
+    /// The floor.
+    pub floor: &'a Floor,
+    /// Links of the objects.
+    pub objects: Vec<Link>,
+    /// Fixed bodies.
+    pub terrain: &'a Terrain,
+}
+
+/// Opens the log of a run in this scene.
 pub(crate) fn open_log_of(
     (path, sink): (Option<&Path>, Option<Box<dyn MessageSink>>),
     run: &Run,
     key: &str,
     robot: &Robot,
-    (model, floor): (&Model, &Floor),
+    &Scene { model, floor, ref objects, terrain }: &Scene,
     method: &str,
     topics: TopicGroups,
 ) -> Result<LogWriter, RecordError> {
@@ -303,8 +322,10 @@ pub(crate) fn open_log_of(
         robot: robot_file.as_ref().map(|(name, text)| AttachedText { name, text }),
         urdf: AttachedText { name: &urdf, text: &robot.urdf_text },
         inputs: &inputs,
-        floor: pose(floor),
+        floor: (!floor.is_absent).then(|| pose(floor)),
         patches: &patches,
+        objects,
+        terrain,
         topics,
     };
     LogWriter::open(path, sink, model, &header)

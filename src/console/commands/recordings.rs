@@ -4,7 +4,7 @@ use crate::files::names;
 use std::io::Write;
 use std::path::Path;
 
-use crate::batch::open_log_of;
+use crate::batch::{Scene, open_log_of};
 use crate::console::arguments::Arguments;
 use crate::console::console_error::ConsoleError;
 use crate::console::recording::Recording;
@@ -14,6 +14,7 @@ use crate::files::{OutputKind, RecordError, write_named};
 use crate::log::{LogWriter, MessageSink, TopicGroups, read_bytes};
 use crate::scenario;
 use crate::sim::Observer;
+use crate::sim::plant::objects::named_links;
 
 impl Session {
     /// Opens a log file for this session.
@@ -30,7 +31,9 @@ impl Session {
         let key = scenario::key(&[("session", self.run.resolved_toml.as_bytes())]);
         let plant = self.simulation.plant();
         let method = self.run.scenario.contact.method.name();
-        Ok(open_log_of(to, &self.run, &key, &self.robot, (&plant.model, &plant.floor), method, topics)?)
+        let objects = named_links(plant.objects.list.iter().map(|o| (o.name.as_str(), &*o.model)));
+        let scene = Scene { model: &plant.model, floor: &plant.floor, objects, terrain: &plant.terrain };
+        Ok(open_log_of(to, &self.run, &key, &self.robot, &scene, method, topics)?)
     }
 
     pub(in crate::console) fn record(&mut self, args: &mut Arguments) -> Result<String, ConsoleError> {

@@ -10,7 +10,7 @@
 //! | friction margin of a static pattern or a pivot | slip onset |
 //! | sliding velocity along the reference direction | stick, or reversal |
 //! | height of a vertex over a compliant floor, or its depth | entering or leaving it |
-//! | height of the lowest point of a link that is no vertex | touch-down of another point |
+//! | gap of the nearest point of bodies that is no vertex | touch-down of another point |
 //! | distance of a sliding vertex to the border of its friction region | other friction |
 
 use crate::contact::methods::penalty;
@@ -37,8 +37,8 @@ pub(crate) struct ContactInForce<'a> {
     pub is_compliant: bool,
     /// Regions of different friction; `None` if friction is uniform.
     pub regions: Option<&'a dyn FrictionBorders>,
-    /// Links with points that are no vertices of the problem, if they may touch.
-    pub links: Option<&'a dyn LinkGaps>,
+    /// Contacts that are no vertices of the problem.
+    pub touching: &'a dyn ContactGaps,
     /// Whether the state of a sole is imposed; it then ends at a set time, not at an event.
     pub is_imposed: &'a dyn Fn(usize) -> bool,
 }
@@ -54,12 +54,12 @@ pub(crate) trait FrictionBorders {
     fn crossing(&self, s: usize, i: usize, from: &Vector2<f64>) -> Option<f64>;
 }
 
-/// Links that may touch with points that are no vertices of the problem.
-pub(crate) trait LinkGaps {
-    /// Number of links.
+/// Bodies that may touch with points that are no vertices of the problem.
+pub(crate) trait ContactGaps {
+    /// Number of functions.
     fn number(&self) -> usize;
-    /// Height of the lowest such point of a link, or a lower bound for it above zero, m.
-    fn gap(&self, link: usize) -> f64;
+    /// Function `i`, positive while no such point touches: its gap, or a lower bound for it above zero, m.
+    fn gap(&self, i: usize) -> f64;
 }
 
 /// Greatest number of event functions at once.
@@ -77,7 +77,7 @@ enum Function {
     /// With the allowed speed of backward sliding, m/s.
     Slide(usize, usize, f64),
     Border(usize, usize, Vector2<f64>),
-    Link(usize),
+    Touch(usize),
 }
 
 /// The event functions of one step.
@@ -99,7 +99,7 @@ impl EventFunctions {
         self.functions.clear();
         self.overlooked.clear();
         let p = now.problem;
-        self.functions.extend((0..now.links.map_or(0, |links| links.number())).map(Function::Link));
+        self.functions.extend((0..now.touching.number()).map(Function::Touch));
         if now.is_compliant {
             for (s, sole) in p.soles.iter().enumerate() {
                 let function = |(i, v)| Function::Surface(s, i, penalty::is_inside(v));
@@ -179,7 +179,7 @@ impl EventFunctions {
                 Function::Slide(s, i, allowed) => {
                     p.soles[s].vertices[i].velocity.xy().dot(&now.directions[s][i]) + allowed
                 }
-                Function::Link(link) => now.links.map_or(f64::INFINITY, |links| links.gap(link)),
+                Function::Touch(i) => now.touching.gap(i),
                 Function::Border(s, i, _) => now.regions.map_or(f64::INFINITY, |regions| regions.border(s, i)),
             };
         }

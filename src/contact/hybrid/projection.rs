@@ -34,14 +34,12 @@ pub(crate) struct Drift {
     pub of_static: f64,
 }
 
-/// Sets the problem of position errors, after [`set_velocity_errors`]. `origin` gives the reference
-/// point of a sole and `anchors` the target positions of its vertices, floor axes relative to the
-/// floor point, m.
+/// Sets the problem of position errors, after [`set_velocity_errors`]. `error_of` gives the position of
+/// a vertex relative to its target, floor axes, m.
 pub(crate) fn set_position_errors(
     p: &mut Problem,
     states: &States,
-    origin: impl Fn(usize) -> Vector3<f64>,
-    anchors: &[Vec<Vector3<f64>>],
+    error_of: impl Fn(&Problem, usize, usize) -> Vector3<f64>,
 ) -> Drift {
     p.b.fill(0.0);
     let mut drift = Drift::default();
@@ -50,11 +48,10 @@ pub(crate) fn set_position_errors(
         if state.normal_rows() == 0 {
             continue;
         }
-        let origin = origin(s);
         let k = p.soles[s].vertices.len();
         let mut error = [Vector3::zeros(); MAX_VERTICES];
         for (i, error) in error.iter_mut().enumerate().take(k) {
-            *error = origin + p.soles[s].vertices[i].r - anchors[s][i];
+            *error = error_of(p, s, i);
             if state.is_dynamic() {
                 *error = Vector3::new(0.0, 0.0, error.z);
             }

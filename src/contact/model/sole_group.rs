@@ -14,7 +14,7 @@ use crate::contact::model::solution::Solution;
 use crate::contact::model::state::States;
 use nalgebra::Vector2;
 
-/// Most vertices of one group: sixteen soles of eight.
+/// Most vertices of one group.
 const MAX_POINTS: usize = 128;
 
 /// Friction margin of the static soles of one body together.

@@ -8,8 +8,8 @@
 
 use std::fmt;
 
-/// Greatest number of soles of a robot.
-pub const MAX_SOLES: usize = 16;
+/// Greatest number of soles and other polygons of a contact problem.
+pub const MAX_SOLES: usize = 32;
 
 /// Which vertices are clamped to the floor.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Default)]

@@ -1,14 +1,14 @@
 //! Writes `/tf`: the pose of every frame. The parent of each link, moving or welded, is its parent
 //! in the URDF, as in ROS, so that viewers can overlay the URDF. A sole's frame, `sole/NAME`, is a
 //! child of its link; its origin is the mean of the sole's vertices and its axes are those of the
-//! link's URDF frame.
+//! link's URDF frame. The frames of objects, `object/NAME`, are children of the root frame.
 
 use crate::files::RecordError;
 use crate::log::write::conversion::{quaternion, timestamp, vector};
 use crate::log::write::log_header::LogHeader;
 use crate::log::write::log_output::{Channel, LogOutput};
 use crate::log::write::topic::Topic;
-use crate::robot::Model;
+use crate::robot::{Link, Model};
 use crate::sim::Snapshot;
 use foxglove::messages::{FrameTransform, FrameTransforms};
 use nalgebra::Isometry3;
@@ -19,11 +19,18 @@ pub(super) fn world_frame(model: &Model) -> &'static str {
     if model.link("world").is_some() { "map" } else { "world" }
 }
 
+/// Name of the frame of an object's link: no link of the robot has it.
+pub(super) fn object_frame(link: &Link) -> String {
+    format!("object/{}", link.name)
+}
+
 pub(super) struct FramesTopic {
     channel: Channel,
-    /// One transform per link, in the model's order, then the frames fixed in a link.
+    /// One transform per link, in the model's order, then the frames fixed in a link, then objects.
     message: FrameTransforms,
     parents: Vec<Option<usize>>,
+    /// First transform of the objects.
+    objects: usize,
 }
 
 impl FramesTopic {
@@ -33,11 +40,15 @@ impl FramesTopic {
             let parent = parent.map_or(world_frame(model), |p| &model.links[p].name);
             transform(parent, &link.name, &Isometry3::identity())
         });
-        let transforms = moving.chain(fixed(model, header.urdf.text)).collect();
+        let mut transforms: Vec<_> = moving.chain(fixed(model, header.urdf.text)).collect();
+        let objects = transforms.len();
+        let of_world = |link: &Link| transform(world_frame(model), &object_frame(link), &Isometry3::identity());
+        transforms.extend(header.objects.iter().map(of_world));
         Ok(Self {
             channel: output.foxglove::<FrameTransforms>("/tf")?,
             message: FrameTransforms { transforms },
             parents,
+            objects,
         })
     }
 }
@@ -93,6 +104,10 @@ impl Topic for FramesTopic {
             let local = parent.map_or(*pose, |p| s.link_poses[p].inv_mul(pose));
             to.translation = Some(vector(&local.translation.vector));
             to.rotation = Some(quaternion(&local.rotation));
+        }
+        for (to, pose) in self.message.transforms[self.objects..].iter_mut().zip(&s.object_poses) {
+            to.translation = Some(vector(&pose.translation.vector));
+            to.rotation = Some(quaternion(&pose.rotation));
         }
         let stamp = timestamp(time);
         for to in &mut self.message.transforms {

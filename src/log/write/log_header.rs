@@ -1,6 +1,8 @@
 //! The part of a log that is constant over the run.
 
 use crate::log::topic_groups::TopicGroups;
+use crate::robot::Link;
+use crate::terrain::Terrain;
 use nalgebra::{Isometry3, Vector3};
 
 /// A text attached to the log.
@@ -29,10 +31,14 @@ pub struct LogHeader<'a> {
     pub urdf: AttachedText<'a>,
     /// Other input files of the run, attached.
     pub inputs: &'a [AttachedText<'a>],
-    /// Pose of the floor in the world: a point of the plane, z its normal.
-    pub floor: Isometry3<f64>,
+    /// Pose of the floor in the world: a point of the plane, z its normal; none if there is no plane.
+    pub floor: Option<Isometry3<f64>>,
     /// Outlines of the floor's friction regions, world, m.
     pub patches: &'a [Vec<Vector3<f64>>],
+    /// Links of objects, in the order of their poses in a snapshot; the root link of an object has its name.
+    pub objects: &'a [Link],
+    /// Fixed bodies besides the floor.
+    pub terrain: &'a Terrain,
     /// Topics to log.
     pub topics: TopicGroups,
 }

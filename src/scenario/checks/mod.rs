@@ -3,6 +3,7 @@
 
 mod event;
 mod force;
+mod object;
 mod task;
 mod terrain;
 
@@ -61,6 +62,7 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
         }
     }
     check.terrain(&scenario.terrain);
+    check.objects(&scenario.object);
     check.soles(scenario.robot.soles.as_deref().unwrap_or_default());
     for (i, payload) in scenario.robot.payload.iter().enumerate() {
         check.payload(i, payload);
@@ -112,6 +114,7 @@ impl Check<'_> {
             ("force", scenario.force.len()),
             ("expect", scenario.expect.len()),
             ("terrain", scenario.terrain.len()),
+            ("object", scenario.object.len()),
             ("floor.patches", scenario.floor.patches.len()),
             ("contact.forced", scenario.contact.forced.len()),
             ("robot.payload", scenario.robot.payload.len()),

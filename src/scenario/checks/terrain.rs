@@ -1,6 +1,7 @@
 //! Rules for `[[terrain]]`.
 
 use super::Check;
+use crate::scenario::format::floor::Friction;
 use crate::scenario::format::terrain::{HeightFieldTerrain, MeshBody, MeshTerrain, StairsTerrain, TerrainSpec};
 use std::collections::HashMap;
 
@@ -17,21 +18,8 @@ impl Check<'_> {
         for (i, spec) in entries.iter().enumerate() {
             let path = format!("terrain.{i}");
             let (entry, name) = (spec.entry(), spec.name(i));
-            if name.is_empty() {
-                self.error(&format!("{path}.name"), "must not be empty");
-            }
-            if let Some(other) = names.insert(name.clone(), i) {
-                // A name by default cannot be changed; the other one was chosen.
-                let chosen = if entry.name.is_some() { i } else { other };
-                self.error(&format!("terrain.{chosen}.name"), format!("{name:?} is the name of two entries"));
-            }
-            for (axis, x) in entry.position.into_iter().enumerate().filter(|(_, x)| x.abs() > LENGTHS[1]) {
-                let must = format!("must be within {} m, not {x}", LENGTHS[1]);
-                self.error(&format!("{path}.position.{axis}"), must);
-            }
-            if let Some(friction) = entry.friction {
-                self.friction(&format!("{path}.friction"), friction);
-            }
+            self.name("terrain", i, (name, entry.name.is_some()), &mut names);
+            self.place(&path, entry.position, entry.friction);
             match spec {
                 TerrainSpec::Box(block) => self.lengths(&format!("{path}.size"), &block.size),
                 TerrainSpec::Ramp(ramp) => self.lengths(&format!("{path}.size"), &ramp.size),
@@ -42,13 +30,42 @@ impl Check<'_> {
         }
     }
 
-    fn lengths(&mut self, path: &str, lengths: &[f64]) {
+    /// The name of entry `i` of a list, with whether it is given; `names` has those before it.
+    pub(super) fn name(
+        &mut self,
+        list: &str,
+        i: usize,
+        (name, is_given): (String, bool),
+        names: &mut HashMap<String, usize>,
+    ) {
+        if name.is_empty() {
+            self.error(&format!("{list}.{i}.name"), "must not be empty");
+        }
+        if let Some(other) = names.insert(name.clone(), i) {
+            // A name by default cannot be changed; the other one was chosen.
+            let chosen = if is_given { i } else { other };
+            self.error(&format!("{list}.{chosen}.name"), format!("{name:?} is the name of two entries"));
+        }
+    }
+
+    /// Position and friction of the entry at `path`.
+    pub(super) fn place(&mut self, path: &str, position: [f64; 3], friction: Option<Friction>) {
+        for (axis, x) in position.into_iter().enumerate().filter(|(_, x)| x.abs() > LENGTHS[1]) {
+            let must = format!("must be within {} m, not {x}", LENGTHS[1]);
+            self.error(&format!("{path}.position.{axis}"), must);
+        }
+        if let Some(friction) = friction {
+            self.friction(&format!("{path}.friction"), friction);
+        }
+    }
+
+    pub(super) fn lengths(&mut self, path: &str, lengths: &[f64]) {
         for (k, length) in lengths.iter().enumerate() {
             self.length(&format!("{path}.{k}"), *length);
         }
     }
 
-    fn length(&mut self, path: &str, length: f64) {
+    pub(super) fn length(&mut self, path: &str, length: f64) {
         let [least, greatest] = LENGTHS;
         if !(least..=greatest).contains(&length) {
             self.error(path, format!("must be from {least} to {greatest} m, not {length}"));

@@ -11,6 +11,7 @@ pub mod event;
 pub mod expect;
 pub mod floor;
 pub mod force;
+pub mod object;
 pub mod random;
 pub mod robot;
 pub mod run;

@@ -5,6 +5,7 @@
 //! of the vertices that carry load, static while they slip slower than the method can hold.
 
 use crate::contact::methods::contact_method::SelectionInput;
+use crate::sim::plant::Polygon;
 use crate::sim::report::Observer;
 use crate::sim::run::RunState;
 use crate::sim::run_error::RunError;
@@ -41,7 +42,11 @@ impl RunState {
         {
             let (origin, k) = (self.plant.sole_origin(s), sole.vertices.len());
             for (i, v) in sole.vertices.iter().enumerate().filter(|(i, _)| self.plant.states[s].clamps(*i, k)) {
-                let creep = (origin + v.r - self.anchors[s][i]).xy().norm();
+                let error = match &self.plant.polygons[s] {
+                    Polygon::Floor(_) => origin + v.r - self.anchors[s][i],
+                    Polygon::Pair(patch) => patch.error(i),
+                };
+                let creep = error.xy().norm();
                 self.metrics.max_static_creep_m = self.metrics.max_static_creep_m.max(creep);
             }
         }

@@ -1,7 +1,9 @@
 //! Removal of drift from a run's state, see [`crate::contact::hybrid::projection`].
 
 use crate::contact::hybrid::projection;
+use crate::contact::model::problem::Problem;
 use crate::dynamics::reduced;
+use crate::sim::plant::Polygon;
 use crate::sim::run::RunState;
 
 /// Stores the positions of the vertices of sole `s`. Where events are located, touching vertices
@@ -12,6 +14,10 @@ pub fn anchor(sim: &mut RunState, s: usize) {
 
 /// Stores the position of one vertex.
 pub fn anchor_vertex(sim: &mut RunState, s: usize, i: usize) {
+    if let Polygon::Pair(patch) = &mut sim.plant.polygons[s] {
+        patch.anchor(i);
+        return;
+    }
     let on_floor = if sim.locates_events() { 2.0 * sim.tolerances.distance } else { 0.0 };
     let mut anchor = sim.plant.sole_origin(s) + sim.plant.problem.soles[s].vertices[i].r;
     if anchor.z.abs() <= on_floor {
@@ -27,7 +33,7 @@ impl RunState {
         if self.is_clamped() {
             self.solve_velocity_errors();
             let plant = &mut self.plant;
-            reduced::apply(&plant.ws, &mut plant.reduced, &self.projection.wrench, &mut plant.state.v);
+            plant.add_impulses(&self.projection.wrench);
             self.project_position();
         }
     }
@@ -58,8 +64,14 @@ impl RunState {
         let plant = &mut self.plant;
         let p = &mut plant.problem;
         let (floor, reference) = (&plant.floor, &plant.reduced.reference);
-        let origin = |s: usize| floor.to_floor(&(reference[s] - floor.point));
-        let drift = projection::set_position_errors(p, &plant.states, origin, &self.anchors);
+        let (polygons, anchors) = (&plant.polygons, &self.anchors);
+        let error = |p: &Problem, s: usize, i: usize| match &polygons[s] {
+            Polygon::Floor(_) => {
+                floor.to_floor(&(reference[s] - floor.point)) + p.soles[s].vertices[i].r - anchors[s][i]
+            }
+            Polygon::Pair(patch) => patch.error(i),
+        };
+        let drift = projection::set_position_errors(p, &plant.states, error);
         self.metrics.max_static_creep_m = self.metrics.max_static_creep_m.max(drift.of_static);
         self.metrics.max_projection_m = self.metrics.max_projection_m.max(drift.greatest);
         if drift.greatest == 0.0 {
@@ -67,7 +79,8 @@ impl RunState {
         }
         plant.method.respond(p, &plant.states, &mut self.projection);
         self.displacement.fill(0.0);
-        reduced::apply(&plant.ws, &mut plant.reduced, &self.projection.wrench, &mut self.displacement);
-        plant.state.displace(&self.displacement);
+        let mechanisms = plant.objects.mechanisms(&plant.ws);
+        reduced::apply(mechanisms, &mut plant.reduced, &self.projection.wrench, &mut self.displacement);
+        plant.displace(&self.displacement);
     }
 }

@@ -1,7 +1,8 @@
 //! Event functions of a run's contact, see [`crate::contact::hybrid::events`].
 
 use super::link_contacts::LinkContacts;
-use crate::contact::hybrid::events::{ContactInForce, EventFunctions, FrictionBorders, LinkGaps, sinks};
+use super::pair_contacts::PairContacts;
+use crate::contact::hybrid::events::{ContactGaps, ContactInForce, EventFunctions, FrictionBorders, sinks};
 use crate::contact::model::state::MAX_SOLES;
 use crate::sim::plant::Plant;
 use crate::sim::run::RunState;
@@ -21,23 +22,30 @@ impl FrictionBorders for Plant {
     }
 }
 
-/// Links of a plant that may touch.
-struct Links<'a>(&'a Plant, &'a LinkContacts);
+/// Links of a plant that may touch the floor, then its pairs of bodies.
+struct Touching<'a> {
+    plant: &'a Plant,
+    links: Option<&'a LinkContacts>,
+    pairs: &'a PairContacts,
+}
 
-impl LinkGaps for Links<'_> {
+impl ContactGaps for Touching<'_> {
     fn number(&self) -> usize {
-        self.1.number()
+        self.links.map_or(0, LinkContacts::number) + self.pairs.number()
     }
 
-    fn gap(&self, link: usize) -> f64 {
-        self.1.gap(self.0, link)
+    fn gap(&self, i: usize) -> f64 {
+        match self.links {
+            Some(links) if i < links.number() => links.gap(self.plant, i),
+            links => self.pairs.gap(self.plant, i - links.map_or(0, LinkContacts::number)),
+        }
     }
 }
 
 /// Calls `f` with the present contact of a run.
 fn with_contact<T>(sim: &RunState, f: impl FnOnce(&ContactInForce) -> T) -> T {
     let plant = &sim.plant;
-    let links = sim.links.as_ref().map(|links| Links(plant, links));
+    let touching = Touching { plant, links: sim.links.as_deref(), pairs: &sim.pairs };
     f(&ContactInForce {
         problem: &plant.problem,
         states: &plant.states,
@@ -46,7 +54,7 @@ fn with_contact<T>(sim: &RunState, f: impl FnOnce(&ContactInForce) -> T) -> T {
         tolerances: &sim.tolerances,
         is_compliant: plant.is_compliant(),
         regions: (!plant.floor.patches.is_empty()).then_some(plant),
-        links: links.as_ref().map(|links| links as &dyn LinkGaps),
+        touching: &touching,
         is_imposed: &|s| sim.is_imposed(s),
     })
 }

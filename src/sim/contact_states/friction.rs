@@ -16,7 +16,7 @@ impl RunState {
             for i in 0..k {
                 let changed = self.plant.update_friction(s, i);
                 if changed && self.plant.states[s].clamps(i, k) {
-                    let sole = self.plant.polygons[s].name.clone();
+                    let sole = self.plant.polygons[s].name().to_owned();
                     let onto = self.plant.region(s, i).map_or("the floor".to_owned(), |z| format!("patch {z}"));
                     self.event(observer, EventKind::Border, &sole, &format!("vertex {i} onto {onto}"))?;
                 }

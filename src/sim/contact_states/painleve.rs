@@ -80,7 +80,7 @@ impl RunState {
         self.metrics.jams += 1;
         let (s, i) = load.at;
         let message = format!("vertex {i}: normal coefficient {:.6e} 1/kg, {result}", load.value);
-        let sole = self.plant.polygons[s].name.clone();
+        let sole = self.plant.polygons[s].name().to_owned();
         self.event(observer, EventKind::Jam, &sole, &message)
     }
 
@@ -90,7 +90,7 @@ impl RunState {
         let states = self.plant.states;
         let Some(load) = self.least_sliding_load(&states).filter(SlidingLoad::is_at_limit) else { return Ok(false) };
         let (s, i) = load.at;
-        let start = self.plant.state.v.clone();
+        let start = self.plant.velocities();
         let slip = self.plant.problem.soles[s].vertices[i].velocity.xy();
         // Without a jam, although the slip turns that way, the force ends as in a plane.
         if self.turns_into_floor(&load) && self.apply_jam(&load, observer)? {
@@ -98,7 +98,7 @@ impl RunState {
         }
         let mut after_impulse = |size: f64| {
             let plant = &mut self.plant;
-            plant.state.v.copy_from_slice(&start);
+            plant.set_velocities(&start);
             plant.evaluate_free();
             let jump = plant.apply_impulses(&scaled(&load.wrench, size));
             plant.evaluate_free();
@@ -183,7 +183,7 @@ impl RunState {
     /// Does an impulse along this load turn the slip of its vertex so that K decreases further?
     fn turns_into_floor(&mut self, load: &SlidingLoad) -> bool {
         let (s, i) = load.at;
-        let start = self.plant.state.v.clone();
+        let start = self.plant.velocities();
         let slip = |sim: &Self| sim.plant.problem.soles[s].vertices[i].velocity.xy();
         let before = slip(self);
         let falls = |sim: &mut Self, size: f64| {
@@ -191,7 +191,7 @@ impl RunState {
             sim.plant.evaluate_free();
             let states = sim.plant.states;
             let found = ((slip(sim) - before).norm(), sim.least_sliding_load(&states));
-            sim.plant.state.v.copy_from_slice(&start);
+            sim.plant.set_velocities(&start);
             sim.plant.evaluate_free();
             found
         };

@@ -23,7 +23,7 @@ impl RunState {
             let mut record =
                 SelectionRecord::from_problem(time, method, &plant.problem, input, forced, &plant.solution);
             for (s, sole) in record.soles.iter_mut().enumerate() {
-                sole.name.clone_from(&plant.polygons[s].name);
+                plant.polygons[s].name().clone_into(&mut sole.name);
                 sole.reference_m = plant.sole_origin(s).into();
             }
             Box::new(record)

@@ -4,6 +4,8 @@
 use super::drift_projection::anchor;
 use crate::contact::hybrid::impact;
 use crate::contact::methods::contact_method::SelectionInput;
+use crate::contact::model::problem::Problem;
+use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, Pattern, SoleState, States};
 use crate::contact::search::judge::Rules;
 use crate::contact::search::select::Selection;
@@ -24,11 +26,21 @@ const CASCADE: usize = 32;
 /// Impacts at one instant after which all slow touching vertices are stopped together.
 const ALTERNATING: usize = 3;
 
+/// Height, m, by which the work of impulses that stop slow motion of clamped vertices may at most lift all
+/// bodies. Friction of sliding soles may add a little.
+const GAIN: f64 = 1e-3;
+
+/// Work of the impulses of a solution, J.
+fn impulse_work(p: &Problem, solution: &Solution) -> f64 {
+    let mean = p.b.iter().zip(&solution.motion).map(|(before, after)| 0.5 * (before + after));
+    solution.wrench.iter().zip(mean).map(|(w, v)| w * v).sum()
+}
+
 impl RunState {
     /// Chooses the contact states at the plant's present state, with impacts where vertices hit the
     /// floor, and leaves the plant evaluated.
     pub(in crate::sim) fn choose_states(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
-        self.update_link_polygons(None)?;
+        self.update_polygons(None)?;
         if self.plant.is_compliant() {
             self.plant.evaluate();
             return self.read_compliant_states(observer);
@@ -105,6 +117,7 @@ impl RunState {
             }
         }
         self.suspect = [0; MAX_SOLES];
+        self.follow_states()?;
         self.plant.evaluate();
         Ok(())
     }
@@ -261,7 +274,7 @@ impl RunState {
                 first.get_or_insert(t);
             }
             self.metrics.state_changes += 1;
-            let subject = self.plant.polygons[s].name.clone();
+            let subject = self.plant.polygons[s].name().to_owned();
             self.event(observer, kind, &subject, &format!("{old} to {new}"))?;
             if new != SoleState::FREE {
                 anchor(self, s);
@@ -315,6 +328,14 @@ impl RunState {
             vertices.for_each(|v| v.direction = Vector2::zeros());
         }
         plant.method.respond(p, &states, &mut self.projection);
+        if !least && impulse_work(p, &self.projection) > GAIN * plant.problem.scale {
+            // Normal impulses respond to friction almost without bound.
+            let vertices = plant.problem.soles.iter_mut().flat_map(|sole| &mut sole.vertices);
+            vertices.for_each(|v| v.direction = Vector2::zeros());
+            plant.method.respond(&plant.problem, &states, &mut self.projection);
+            plant.problem.set_directions(&plant.directions);
+        }
+        let p = &mut plant.problem;
         if least {
             p.set_directions(&plant.directions);
         }

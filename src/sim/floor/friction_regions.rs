@@ -16,6 +16,9 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 /// A friction region: the index of a patch, or none for the plane around all patches.
 pub type RegionId = Option<usize>;
 
+/// Gap of points to an absent plane, m.
+const ABSENT: f64 = 1e6;
+
 /// The floor plane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Floor {
@@ -29,6 +32,8 @@ pub struct Floor {
     pub mu_k: f64,
     /// Patches with friction of their own; where they overlap the last one applies.
     pub patches: Vec<Patch>,
+    /// Whether nothing touches the plane: only terrain carries the robot.
+    pub is_absent: bool,
 }
 
 impl Floor {
@@ -45,6 +50,11 @@ impl Floor {
     /// Height of a world point above the plane, m.
     pub fn height(&self, p: &Vector3<f64>) -> f64 {
         self.rotation.column(2).dot(&(p - self.point))
+    }
+
+    /// As [`height`](Self::height), for contact: nothing is near an absent plane.
+    pub fn gap(&self, p: &Vector3<f64>) -> f64 {
+        self.height(p) + if self.is_absent { ABSENT } else { 0.0 }
     }
 
     /// The region of a point; the border belongs to the patch.
@@ -123,6 +133,7 @@ mod tests {
             mu_s: 9.0,
             mu_k: 8.0,
             patches: patches.iter().enumerate().map(patch).collect(),
+            is_absent: false,
         }
     }
 

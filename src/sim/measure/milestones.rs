@@ -10,7 +10,7 @@ use crate::contact::model::state::{MAX_SOLES, SoleState, States};
 use crate::dynamics::body;
 use crate::sim::plant::Plant;
 use crate::sim::report::{Metrics, Snapshot};
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
 
 /// Contact states, flight and first impact so far.
 #[derive(Default)]
@@ -21,6 +21,8 @@ pub struct Milestones {
     first_impact: Option<(f64, f64)>,
     /// Base position at the start, and its velocity.
     launch: (Vector3<f64>, Vector3<f64>),
+    /// Poses of the objects at the start.
+    objects: Vec<(Vector3<f64>, UnitQuaternion<f64>)>,
 }
 
 /// Start of a flight: the first step end without contact.
@@ -37,7 +39,8 @@ impl Milestones {
     pub fn new(plant: &Plant) -> Self {
         let v = &plant.state.v;
         let velocity = if plant.model.nb() == 6 { Vector3::new(v[0], v[1], v[2]) } else { Vector3::zeros() };
-        Milestones { launch: (plant.state.position, velocity), ..Milestones::default() }
+        let objects = plant.objects.list.iter().map(|object| (object.state.position, object.state.rotation)).collect();
+        Milestones { launch: (plant.state.position, velocity), objects, ..Milestones::default() }
     }
 
     /// Restarts after a jump of the motion; contact states have jumped too if a state was
@@ -47,9 +50,16 @@ impl Milestones {
         self.states = self.states.filter(|_| !restored);
     }
 
-    /// Continues with other polygons, which have these states.
-    pub fn replace_states(&mut self, states: &States) {
-        self.states = self.states.map(|_| *states);
+    /// Continues with other polygons, which have these states; `former` gives the former index of each that
+    /// was there before.
+    pub fn replace_polygons(&mut self, states: &States, former: impl Fn(usize) -> Option<usize>) {
+        let Some(before) = &mut self.states else { return };
+        let old = std::mem::replace(before, *states);
+        for s in 0..MAX_SOLES {
+            if let Some(former) = former(s) {
+                before[s] = old[former];
+            }
+        }
     }
 
     /// Evaluates the end of a step. Needs kinematics at the plant's state.
@@ -105,6 +115,14 @@ impl Milestones {
         let shift = plant.state.position - start;
         m.final_base_shift_m = shift.norm();
         m.final_base_sideways_m = velocity.try_normalize(0.0).map(|along| (shift - along * along.dot(&shift)).norm());
+        for (object, (position, rotation)) in plant.objects.list.iter().zip(&self.objects) {
+            let state = &object.state;
+            let speed = if object.model.nb() == 6 { Vector3::from_column_slice(&state.v[..3]).norm() } else { 0.0 };
+            let greatest = |metric: &mut Option<f64>, value: f64| *metric = Some(metric.unwrap_or(0.0).max(value));
+            greatest(&mut m.final_object_shift_m, (state.position - position).norm());
+            greatest(&mut m.final_object_turn_rad, rotation.angle_to(&state.rotation));
+            greatest(&mut m.final_object_speed_m_per_s, speed);
+        }
         if last.time != plant.state.time || last.soles.is_empty() {
             return;
         }

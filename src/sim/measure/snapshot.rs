@@ -101,18 +101,25 @@ pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
         let position = plant.ws.links[i].origin + plant.ws.position;
         *pose = Isometry3::from_parts(Translation3::from(position), rotation) * model.links[i].urdf_frame;
     }
+    out.object_poses.clear();
+    for (object, ws) in plant.objects.list.iter().zip(&plant.objects.ws) {
+        for (link, moved) in object.model.links.iter().zip(&ws.links) {
+            let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(moved.rotation));
+            let origin = Translation3::from(ws.position + moved.origin);
+            out.object_poses.push(Isometry3::from_parts(origin, rotation) * link.urdf_frame);
+        }
+    }
     out.com = body::center_of_mass(&plant.ws);
     out.com_velocity = body::center_of_mass_velocity(&plant.ws);
     out.external.clone_from(&plant.arrows);
-    let floor = &plant.floor.rotation;
     let (mut load, mut moment) = (0.0, Vector3::zeros());
     let plane = plant.floor.plane();
     out.support_polygon.clear();
     let links = &plant.polygons[model.soles.len()..];
     out.links.resize_with(links.len(), Default::default);
     for ((name, link), polygon) in out.links.iter_mut().zip(links) {
-        let k = polygon.vertices.len();
-        name.clone_from(&polygon.name);
+        let k = polygon.number_of_vertices();
+        polygon.name().clone_into(name);
         link.clamped.resize(k, false);
         [&mut link.positions, &mut link.velocities, &mut link.forces]
             .into_iter()
@@ -125,13 +132,16 @@ pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
         let contact = plant.states[s];
         sole.state.clear();
         let _ = write!(sole.state, "{contact}");
-        let origin = plant.reduced.reference[s];
+        let (axes, origin) = (&plant.reduced.axes[s], plant.reduced.reference[s]);
         for (i, v) in p.vertices.iter().enumerate() {
             let (n, t) = (plant.solution.normal[s][i], plant.solution.tangent[s][i]);
             sole.clamped[i] = contact.clamps(i, k);
-            sole.positions[i] = origin + floor * v.r;
-            sole.velocities[i] = floor * v.velocity;
-            sole.forces[i] = floor * Vector3::new(t.x, t.y, n);
+            sole.positions[i] = origin + axes * v.r;
+            sole.velocities[i] = axes * v.velocity;
+            sole.forces[i] = axes * Vector3::new(t.x, t.y, n);
+            if plant.polygons[s].pair().is_some() {
+                continue;
+            }
             load += n;
             moment += sole.positions[i] * n;
             if sole.clamped[i] {

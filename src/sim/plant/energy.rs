@@ -7,7 +7,8 @@ impl Plant {
     /// Kinetic and potential energy at the state of the last evaluation or refresh, J.
     pub fn energy(&self) -> f64 {
         let stored = self.stored().energy;
-        body::kinetic_energy(&self.model, &self.ws) + body::potential_energy(&self.ws, &self.gravity) + stored
+        let robot = body::kinetic_energy(&self.model, &self.ws) + body::potential_energy(&self.ws, &self.gravity);
+        robot + stored + self.objects.energy(&self.gravity)
     }
 
     /// Powers at the last evaluation.
@@ -30,13 +31,12 @@ impl Plant {
             }
         }
         dampers -= self.stored().power;
-        EnergyFlows([
-            dot(&self.drives.efforts, joints),
-            dot(&self.external, v),
-            -dot(&self.passive, joints),
-            -friction,
-            dampers,
-        ])
+        let (mut actuators, mut losses) = (dot(&self.drives.efforts, joints), -dot(&self.passive, joints));
+        for (drives, joints) in self.objects.list.iter().map(|object| object.powers()) {
+            actuators += drives;
+            losses += joints;
+        }
+        EnergyFlows([actuators, dot(&self.external, v), losses, -friction, dampers])
     }
 
     /// Energy flows of a velocity-level step of size `dt` that changed the velocity by `dv`, and
@@ -54,8 +54,14 @@ impl Plant {
             actuators += mean(nb + j) * (dt * servo - self.drives.implicit[j] * dv[nb + j]);
             joints -= mean(nb + j) * (dt * passive - self.implicit_passive[j] * dv[nb + j]);
         }
-        let mut external: f64 =
-            (0..dv.len()).map(|i| mean(i) * (dt * self.external[i] - self.implicit_external[i] * dv[i])).sum();
+        for object in &self.objects.list {
+            let (of_drives, of_joints) = object.step_work(&dv[object.velocities.clone()], dt);
+            actuators += of_drives;
+            joints += of_joints;
+        }
+        let mut external: f64 = (0..self.state.v.len())
+            .map(|i| mean(i) * (dt * self.external[i] - self.implicit_external[i] * dv[i]))
+            .sum();
         if let Some(dampers) = self.dampers.matrix() {
             external -= dampers.between(&self.state.v, dv) - 0.5 * dampers.between(dv, dv);
         }

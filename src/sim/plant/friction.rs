@@ -1,5 +1,5 @@
 //! Friction of the vertices: each has the friction of its region of the floor, see
-//! [`VertexRegion`].
+//! [`VertexRegion`], or that of its pair of bodies.
 
 use super::Plant;
 use crate::sim::floor::friction_regions::RegionId;
@@ -10,7 +10,7 @@ use nalgebra::Vector2;
 impl Plant {
     /// A vertex seen from above: world x and y, m.
     pub fn seen_from_above(&self, s: usize, i: usize) -> Vector2<f64> {
-        let r = self.floor.rotation * self.problem.soles[s].vertices[i].r;
+        let r = self.reduced.axes[s] * self.problem.soles[s].vertices[i].r;
         (self.reduced.reference[s] + r).xy()
     }
 
@@ -21,6 +21,9 @@ impl Plant {
 
     /// Positive until a vertex has left its region, m.
     pub fn border(&self, s: usize, i: usize) -> f64 {
+        if self.polygons[s].pair().is_some() {
+            return f64::INFINITY;
+        }
         let (vertex, p) = (&self.regions[s][i], self.seen_from_above(s, i));
         self.floor.inside(vertex.region, &p) + vertex.widths * border_width(&p)
     }
@@ -28,6 +31,9 @@ impl Plant {
     /// Updates a vertex's friction. Returns whether its region changed. An unclamped vertex has no
     /// history.
     pub fn update_friction(&mut self, s: usize, i: usize) -> bool {
+        if self.polygons[s].pair().is_some() {
+            return false;
+        }
         let clamped = self.states[s].clamps(i, self.problem.soles[s].vertices.len());
         let p = self.seen_from_above(s, i);
         // Event location ends where the border function is zero, up to rounding.
@@ -49,6 +55,12 @@ impl Plant {
 
     /// Gives a new vertex the friction of its region. Needs the vertices.
     pub fn begin_friction(&mut self, s: usize, i: usize) {
+        if let Some(patch) = self.polygons[s].pair() {
+            let v = &mut self.problem.soles[s].vertices[i];
+            let friction = patch.friction(i);
+            (v.mu_s, v.mu_k) = (friction.mu_s, friction.mu_k);
+            return;
+        }
         let region = self.floor.region(&self.seen_from_above(s, i));
         self.regions[s][i] = VertexRegion::new(region);
         let v = &mut self.problem.soles[s].vertices[i];

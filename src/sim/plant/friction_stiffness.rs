@@ -31,7 +31,7 @@
 use super::Plant;
 use super::sliding_directions::direction;
 use crate::contact::model::state::Mode;
-use crate::dynamics::jacobian;
+use crate::dynamics::reduced;
 use crate::integrate::StiffPart;
 use crate::integrate::rosenbrock::MAX_RANK;
 use nalgebra::{Vector2, Vector3};
@@ -94,14 +94,25 @@ impl Plant {
             let across = Vector2::new(-u.y, u.x);
             let gradient = u * slope(u) + across * slope(across);
             let turning = gradient.dot(&self.problem.vertex_motion(&self.solution.motion, s, i).xy());
-            let gradient = self.floor.rotation * Vector3::new(gradient.x, gradient.y, 0.0);
-            let point = self.reduced.reference[s] + self.floor.rotation * v.r;
+            let axes = &self.reduced.axes[s];
+            let gradient = axes * Vector3::new(gradient.x, gradient.y, 0.0);
+            let point = self.reduced.reference[s] + axes * v.r;
             let row = &mut out.rows[r];
             row.fill(0.0);
-            self.layout.configuration_rates(self.state.rotation.quaternion(), &self.state.v, row);
-            for &k in self.ws.support(self.polygons[s].link) {
-                row[velocities.start + k] = gradient.dot(&jacobian::column(&self.ws, k, &point).linear);
+            self.layout.configuration_rates(0, self.state.rotation.quaternion(), &self.state.v, row);
+            for (o, object) in self.objects.list.iter().enumerate() {
+                let (q, v) = (object.state.rotation.quaternion(), &object.state.v);
+                self.layout.configuration_rates(1 + o, q, v, row);
             }
+            let velocity_row = &mut row[velocities.clone()];
+            reduced::add_point_row(
+                self.objects.mechanisms(&self.ws),
+                &self.reduced,
+                s,
+                &point,
+                &gradient,
+                velocity_row,
+            );
             self.kinematic_paths.joints().iter().for_each(|j| self.layout.hold(*j, row));
             let by_velocity: f64 = row[velocities.clone()].iter().zip(&self.acceleration).map(|(v, a)| v * a).sum();
             let rates = &mut row[configuration.clone()];

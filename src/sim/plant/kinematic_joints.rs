@@ -27,7 +27,10 @@ pub struct JumpWork {
 impl Plant {
     /// Reads a state from the integrator's vector, kinematic joints at their prescribed motion.
     pub fn unpack(&mut self, t: f64, y: &[f64]) {
-        self.layout.unpack(t, y, &mut self.state);
+        self.layout.unpack(0, t, y, &mut self.state);
+        for (o, object) in self.objects.list.iter_mut().enumerate() {
+            self.layout.unpack(1 + o, t, y, &mut object.state);
+        }
         self.apply_prescribed_motion();
     }
 
@@ -130,7 +133,7 @@ impl Plant {
         }
         let before = self.kinetic_energy();
         let work_before = self.prescribed_momentum_work();
-        reduced::apply(&self.ws, &mut self.reduced, impulses, &mut self.state.v);
+        self.add_impulses(impulses);
         let change = self.kinetic_energy() - before;
         let mut drives = self.prescribed_momentum_work() - work_before;
         for &k in &self.reduced.prescribed {
@@ -146,6 +149,6 @@ impl Plant {
 
     /// Generalised contact force in coordinate `k`.
     fn contact_load(&self, wrenches: &[f64], k: usize) -> f64 {
-        reduced::load(&self.ws, &self.floor.rotation, &self.reduced, wrenches, k)
+        reduced::load(&self.ws, &self.reduced, wrenches, k)
     }
 }

@@ -3,7 +3,7 @@
 //! [`Plant`] evaluates the right-hand side: kinematics, efforts, the reduced contact problem,
 //! wrenches and accelerations. The other files are parts of it: the layout of the integrator's
 //! vector, implicit dampers, kinematic joints as constraints, sliding directions, friction regions
-//! of the vertices, impulses on the soles, energies and powers.
+//! of the vertices, impulses on the soles, energies and powers, objects besides the robot.
 //!
 //! Imports actuation, floor, contact, dynamics and force. Called by every other module of sim;
 //! independent of [`Simulation`](super::Simulation), tasks, observers and metrics.
@@ -11,16 +11,21 @@
 mod carried_mass;
 pub mod energy;
 pub mod energy_flows;
+mod force_models;
 mod friction;
 mod friction_stiffness;
 pub mod implicit_dampers;
 pub mod kinematic_joints;
+pub mod objects;
 mod parameters;
+pub mod polygon;
 pub mod sliding_directions;
 pub mod sole_impulses;
 pub mod state_layout;
 pub mod system;
 
 pub use energy_flows::EnergyFlows;
+pub use objects::ObjectSetup;
+pub use polygon::Polygon;
 pub use state_layout::StateLayout;
 pub use system::{Plant, PlantSetup};

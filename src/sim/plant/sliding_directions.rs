@@ -15,6 +15,7 @@
 //! that of its location: a vertex slower than v_d could remain at it.
 
 use super::Plant;
+use crate::dynamics::reduced::BodyId;
 use nalgebra::Vector2;
 use std::ops::Range;
 
@@ -64,11 +65,18 @@ impl Plant {
     pub fn direction_speed(&self, sole: usize) -> f64 {
         let (absolute, relative) = self.step_error;
         let error = |speed: f64| absolute + relative * speed;
-        let moving = self.ws.support(self.polygons[sole].link).iter().filter(|&&i| i >= self.model.nb());
-        let joints: f64 = moving.map(|&i| error(self.state.v[i].abs())).sum();
-        let norm = |group: Range<usize>| self.state.v[group].iter().map(|v| v * v).sum::<f64>().sqrt();
-        let base: f64 = self.layout.base_velocity_groups().map(|group| error(norm(group))).sum();
-        DIRECTION_SPEED.max(base + joints)
+        let of_body = |body: BodyId| {
+            let (nb, v, ws) = match body.mechanism.checked_sub(1) {
+                None => (self.model.nb(), &self.state.v, &self.ws),
+                Some(o) => (self.objects.list[o].model.nb(), &self.objects.list[o].state.v, &self.objects.ws[o]),
+            };
+            let moving = ws.support(body.link).iter().filter(|&&i| i >= nb);
+            let joints: f64 = moving.map(|&i| error(v[i].abs())).sum();
+            let norm = |group: Range<usize>| v[group].iter().map(|v| v * v).sum::<f64>().sqrt();
+            let base: f64 = self.layout.base_velocity_groups(body.mechanism).map(|group| error(norm(group))).sum();
+            base + joints
+        };
+        DIRECTION_SPEED.max(self.reduced.bodies(sole).map(of_body).sum())
     }
 
     /// Makes the present sliding directions the references of the step that begins. A direction

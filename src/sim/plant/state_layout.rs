@@ -1,8 +1,9 @@
-//! Layout of the integrator's vector: position 3, quaternion 4 (i, j, k, w), joints, velocities,
-//! lagging actuators, energy flows.
+//! Layout of the integrator's vector: configurations, velocities, lagging actuators, energy flows.
 //!
-//! The quaternion is integrated as four numbers, `q' = 1/2 (omega, 0) q`, and normalised after
-//! every step. The energy flows ([`EnergyFlows`]) are not under error control.
+//! Configurations, velocities and actuators are those of the robot, then of the objects in turn. A
+//! configuration is position 3, quaternion 4 (i, j, k, w), joints. The quaternion is integrated as four
+//! numbers, `q' = 1/2 (omega, 0) q`, and normalised after every step. The energy flows
+//! ([`EnergyFlows`]) are not under error control.
 //!
 //! Error control must not depend on where the world's x and y point. It therefore takes components
 //! that a turn about the vertical mixes as one (`integrate::error_norm`): x and y of
@@ -15,113 +16,158 @@ use crate::dynamics::State;
 use crate::robot::Model;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use std::ops::Range;
+use std::sync::Arc;
 
-/// Offsets into the vector.
-#[derive(Clone, Copy, Debug)]
-pub struct StateLayout {
-    nj: usize,
-    nv: usize,
+/// Entries of one mechanism: of its configuration, velocities and lagging actuators.
+#[derive(Clone, Debug)]
+struct Part {
     nb: usize,
-    /// Lagging actuators.
-    na: usize,
+    configuration: Range<usize>,
+    velocities: Range<usize>,
+    actuators: Range<usize>,
+}
+
+/// Offsets into the vector. Cheap to clone.
+#[derive(Clone, Debug)]
+pub struct StateLayout {
+    parts: Arc<[Part]>,
+    controlled: usize,
 }
 
 impl StateLayout {
-    /// For this robot.
-    pub fn new(model: &Model) -> Self {
-        StateLayout { nj: model.nj(), nv: model.nv(), nb: model.nb(), na: model.lagging().count() }
+    /// For this robot and these objects.
+    pub fn new<'a>(robot: &'a Model, objects: impl Iterator<Item = &'a Model>) -> Self {
+        let models: Vec<&Model> = std::iter::once(robot).chain(objects).collect();
+        let mut at = 0;
+        let mut take = |number: usize| {
+            at += number;
+            at - number..at
+        };
+        let configurations: Vec<_> = models.iter().map(|model| take(7 + model.nj())).collect();
+        let velocities: Vec<_> = models.iter().map(|model| take(model.nv())).collect();
+        let actuators: Vec<_> = models.iter().map(|model| take(model.lagging().count())).collect();
+        let entries = configurations.into_iter().zip(velocities).zip(actuators);
+        let part = |(model, ((configuration, velocities), actuators)): (&&Model, _)| Part {
+            nb: model.nb(),
+            configuration,
+            velocities,
+            actuators,
+        };
+        let parts: Arc<[Part]> = models.iter().zip(entries).map(part).collect();
+        StateLayout { parts, controlled: at }
     }
 
     /// Length of the vector.
     pub fn size(&self) -> usize {
-        7 + self.nj + self.nv + self.na + FLOWS
+        self.controlled + FLOWS
     }
 
     /// Number of leading entries under error control.
     pub fn controlled(&self) -> usize {
-        self.size() - FLOWS
+        self.controlled
     }
 
     /// Groups of entries whose norms do not change when the world is turned about the vertical;
     /// together all entries under error control.
     pub fn error_groups(&self) -> impl Iterator<Item = Range<usize>> {
-        let velocities = self.velocities().start;
-        let pose = [0..2, 2..3, 3..5, 5..7].into_iter();
-        let base = self.base_velocity_groups().map(move |g| velocities + g.start..velocities + g.end);
         let single = |i: usize| i..i + 1;
-        let rest = (velocities + self.nb..self.controlled()).map(single);
-        pose.chain((7..velocities).map(single)).chain(base).chain(rest)
+        let configurations = self.parts.iter().flat_map(move |part| {
+            let first = part.configuration.start;
+            let pose = [0..2, 2..3, 3..5, 5..7].into_iter().map(move |g: Range<usize>| first + g.start..first + g.end);
+            pose.chain((first + 7..part.configuration.end).map(single))
+        });
+        let velocities = self.parts.iter().flat_map(move |part| {
+            let first = part.velocities.start;
+            let base = base_groups(part.nb).map(move |g| first + g.start..first + g.end);
+            base.chain((first + part.nb..part.velocities.end).map(single))
+        });
+        let actuators = self.parts.iter().flat_map(move |part| part.actuators.clone().map(single));
+        configurations.chain(velocities).chain(actuators)
     }
 
-    /// The same groups of the base's velocities, as degrees of freedom; none if it is fixed.
-    pub fn base_velocity_groups(&self) -> impl Iterator<Item = Range<usize>> {
-        [0..2, 2..3, 3..5, 5..6].into_iter().filter(|g| g.end <= self.nb)
+    /// The same groups of the base velocities of mechanism `m`, as degrees of freedom of it; none if
+    /// its base is fixed.
+    pub fn base_velocity_groups(&self, m: usize) -> impl Iterator<Item = Range<usize>> {
+        base_groups(self.parts[m].nb)
     }
 
     /// Reads the energy flows.
     pub fn flows(&self, y: &[f64]) -> EnergyFlows {
         let mut flows = EnergyFlows::default();
-        flows.0.copy_from_slice(&y[self.controlled()..]);
+        flows.0.copy_from_slice(&y[self.controlled..]);
         flows
     }
 
-    /// Reads a state; the quaternion is normalised.
-    pub fn unpack(&self, t: f64, y: &[f64], state: &mut State) {
+    /// Writes the energy flows.
+    pub fn pack_flows(&self, flows: &EnergyFlows, y: &mut [f64]) {
+        y[self.controlled..].copy_from_slice(&flows.0);
+    }
+
+    /// Reads the state of mechanism `m`; the quaternion is normalised.
+    pub fn unpack(&self, m: usize, t: f64, y: &[f64], state: &mut State) {
+        let part = &self.parts[m];
+        let q = &y[part.configuration.clone()];
         state.time = t;
-        state.position = Vector3::new(y[0], y[1], y[2]);
-        state.rotation = UnitQuaternion::from_quaternion(Quaternion::new(y[6], y[3], y[4], y[5]));
-        state.joints.copy_from_slice(&y[7..7 + self.nj]);
-        state.v.copy_from_slice(&y[7 + self.nj..7 + self.nj + self.nv]);
-        state.actuators.copy_from_slice(&y[self.controlled() - self.na..self.controlled()]);
+        state.position = Vector3::new(q[0], q[1], q[2]);
+        state.rotation = UnitQuaternion::from_quaternion(Quaternion::new(q[6], q[3], q[4], q[5]));
+        state.joints.copy_from_slice(&q[7..]);
+        state.v.copy_from_slice(&y[part.velocities.clone()]);
+        state.actuators.copy_from_slice(&y[part.actuators.clone()]);
     }
 
-    /// Writes a state and the energy flows.
-    pub fn pack(&self, state: &State, flows: &EnergyFlows, y: &mut [f64]) {
-        y[..3].copy_from_slice(state.position.as_slice());
-        y[3..7].copy_from_slice(state.rotation.coords.as_slice());
-        y[7..7 + self.nj].copy_from_slice(&state.joints);
-        y[7 + self.nj..7 + self.nj + self.nv].copy_from_slice(&state.v);
-        y[self.controlled() - self.na..self.controlled()].copy_from_slice(&state.actuators);
-        y[self.controlled()..].copy_from_slice(&flows.0);
+    /// Writes the state of mechanism `m`.
+    pub fn pack(&self, m: usize, state: &State, y: &mut [f64]) {
+        let part = &self.parts[m];
+        let q = &mut y[part.configuration.clone()];
+        q[..3].copy_from_slice(state.position.as_slice());
+        q[3..7].copy_from_slice(state.rotation.coords.as_slice());
+        q[7..].copy_from_slice(&state.joints);
+        y[part.velocities.clone()].copy_from_slice(&state.v);
+        y[part.actuators.clone()].copy_from_slice(&state.actuators);
     }
 
-    /// Writes the derivative from velocities `v`, accelerations and powers. The caller fills the
-    /// entries of [`StateLayout::actuators`].
-    pub fn derivative(&self, y: &[f64], v: &[f64], acceleration: &[f64], powers: &EnergyFlows, dy: &mut [f64]) {
-        self.configuration_rates(&Quaternion::new(y[6], y[3], y[4], y[5]), v, dy);
-        dy[7 + self.nj..7 + self.nj + self.nv].copy_from_slice(acceleration);
-        dy[self.controlled()..].copy_from_slice(&powers.0);
+    /// Writes the derivative of the configuration of mechanism `m` at `y`.
+    pub fn configuration_derivative(&self, m: usize, y: &[f64], v: &[f64], dy: &mut [f64]) {
+        let q = &y[self.parts[m].configuration.clone()];
+        self.configuration_rates(m, &Quaternion::new(q[6], q[3], q[4], q[5]), v, dy);
     }
 
-    /// Writes the derivative of position, quaternion `q` and joints from velocities `v`.
-    pub fn configuration_rates(&self, q: &Quaternion<f64>, v: &[f64], dy: &mut [f64]) {
-        dy[..7].fill(0.0);
-        if self.nb == 6 {
-            dy[..3].copy_from_slice(&v[..3]);
+    /// Writes the derivative of position, quaternion `q` and joints of mechanism `m` from its
+    /// velocities `v`.
+    pub fn configuration_rates(&self, m: usize, q: &Quaternion<f64>, v: &[f64], dy: &mut [f64]) {
+        let part = &self.parts[m];
+        let rates = &mut dy[part.configuration.clone()];
+        rates[..7].fill(0.0);
+        if part.nb == 6 {
+            rates[..3].copy_from_slice(&v[..3]);
             let omega = Quaternion::new(0.0, v[3], v[4], v[5]);
-            dy[3..7].copy_from_slice((omega * q * 0.5).coords.as_slice());
+            rates[3..7].copy_from_slice((omega * q * 0.5).coords.as_slice());
         }
-        dy[7..7 + self.nj].copy_from_slice(&v[self.nb..]);
+        rates[7..].copy_from_slice(&v[part.nb..]);
     }
 
-    /// The entries of position, quaternion and joints.
+    /// The entries of positions, quaternions and joints.
     pub fn configuration(&self) -> Range<usize> {
-        0..7 + self.nj
+        0..self.velocities().start
     }
 
     /// The entries of velocities.
     pub fn velocities(&self) -> Range<usize> {
-        7 + self.nj..7 + self.nj + self.nv
+        self.parts[0].velocities.start..self.parts[self.parts.len() - 1].velocities.end
     }
 
-    /// The entries of lagging actuators.
-    pub fn actuators<'a>(&self, y: &'a mut [f64]) -> &'a mut [f64] {
-        &mut y[self.controlled() - self.na..self.controlled()]
+    /// The entries of lagging actuators of mechanism `m`.
+    pub fn actuators<'a>(&self, m: usize, y: &'a mut [f64]) -> &'a mut [f64] {
+        &mut y[self.parts[m].actuators.clone()]
     }
 
-    /// Sets the derivatives of a joint's position and velocity to zero.
+    /// Sets the derivatives of the position and velocity of a joint of the robot to zero.
     pub fn hold(&self, joint: usize, dy: &mut [f64]) {
         dy[7 + joint] = 0.0;
-        dy[7 + self.nj + self.nb + joint] = 0.0;
+        dy[self.parts[0].velocities.start + self.parts[0].nb + joint] = 0.0;
     }
+}
+
+fn base_groups(nb: usize) -> impl Iterator<Item = Range<usize>> {
+    [0..2, 2..3, 3..5, 5..6].into_iter().filter(move |g| g.end <= nb)
 }

@@ -8,24 +8,30 @@
 //! problem, wrenches, accelerations. Every candidate state is judged with W and a0 only
 //! (`docs/contact.md`, section 2).
 
+use super::energy_flows::EnergyFlows;
 use super::implicit_dampers::ImplicitDampers;
+use super::objects::{ObjectSetup, Objects};
+use super::polygon::Polygon;
 use super::sole_impulses::SoleImpulses;
 use super::state_layout::StateLayout;
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, StoredEnergy};
-use crate::contact::model::problem::{Level, Problem};
+use crate::contact::model::problem::{Level, Problem, SoleProblem};
 use crate::contact::model::residual::{self, Residual};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, States};
 use crate::contact::search::candidate::share_static;
+use crate::dynamics::reduced::ContactFrame;
 use crate::dynamics::{DynamicsError, State, Workspace, crba, kinematics, reduced, rnea};
-use crate::force::{AppliedForces, Force, ForceContext, ForceError, ReportEvent};
+use crate::force::Force;
 use crate::integrate::System;
-use crate::robot::{LinkId, Model, RigidInertia, Sole, SoleId};
+use crate::robot::{LinkId, Model, RigidInertia, SoleId};
 use crate::sim::actuation::drives::Drives;
 use crate::sim::actuation::joint_efforts::{self, JointStop};
 use crate::sim::actuation::kinematic_paths::KinematicPaths;
+use crate::sim::bodies::{Body, PairPatch};
 use crate::sim::floor::{Floor, VertexRegion};
 use crate::task::Command;
+use crate::terrain::Terrain;
 use nalgebra::{Vector2, Vector3};
 use std::sync::Arc;
 
@@ -39,6 +45,12 @@ pub struct PlantSetup {
     pub floor: Floor,
     /// Initial state.
     pub state: State,
+    /// Objects.
+    pub objects: Vec<ObjectSetup>,
+    /// Bodies that may touch each other.
+    pub bodies: Vec<Body>,
+    /// Fixed bodies besides the floor.
+    pub terrain: Arc<Terrain>,
     /// Do joint limits stop the joints?
     pub joint_stops: bool,
     /// External forces.
@@ -56,8 +68,13 @@ pub struct PlantSetup {
 pub struct Plant {
     /// The robot.
     pub model: Arc<Model>,
-    /// Polygons of links that may touch: the soles, then others in the order of `problem.soles`.
-    pub polygons: Vec<Sole>,
+    /// Polygons of the contact problem, in the order of `problem.soles`: the soles, then other links over the
+    /// floor, then patches of pairs of bodies.
+    pub polygons: Vec<Polygon>,
+    /// Bodies that may touch each other.
+    pub bodies: Vec<Body>,
+    /// Fixed bodies besides the floor.
+    pub terrain: Arc<Terrain>,
     /// Gravity, world.
     pub gravity: Vector3<f64>,
     /// The floor.
@@ -72,6 +89,8 @@ pub struct Plant {
     pub stops: Option<Vec<JointStop>>,
     /// State of the last evaluation.
     pub state: State,
+    /// The objects, whose velocities follow the robot's in all vectors of velocities of mechanisms.
+    pub objects: Objects,
     /// The state of the kinematics in `ws`.
     pub(super) kinematics_state: State,
     /// Whether soles and vertices belong to that state. The next evaluation clears this: a contact
@@ -107,7 +126,7 @@ pub struct Plant {
     pub(super) step_error: (f64, f64),
     /// A time inside the smooth piece being integrated.
     pub within: f64,
-    /// Generalised force without contact and bias, nv.
+    /// Generalised force without contact and bias, of all mechanisms.
     pub tau: Vec<f64>,
     /// The drives and their efforts.
     pub drives: Drives,
@@ -117,7 +136,7 @@ pub struct Plant {
     pub(super) external: Vec<f64>,
     /// External force arrows.
     pub arrows: Vec<(Vector3<f64>, Vector3<f64>)>,
-    /// Generalised acceleration, nv.
+    /// Generalised acceleration, of all mechanisms.
     pub acceleration: Vec<f64>,
     /// Implicit terms of a velocity-level step on the diagonal of M; zero in continuous time.
     pub(super) implicit_diagonal: Vec<f64>,
@@ -134,6 +153,8 @@ pub struct Plant {
     /// Prescribed accelerations, by joint.
     pub(super) prescribed_acceleration: Vec<f64>,
     pub(super) scratch: Vec<f64>,
+    /// Change of all velocities by impulses.
+    jump: Vec<f64>,
     /// Evaluations so far.
     pub evaluations: u64,
     /// Why the last evaluation failed: M could not be factorised and the accelerations are not a
@@ -152,9 +173,11 @@ impl Plant {
         let stops = setup.joint_stops.then(|| {
             (0..nj).map(|j| JointStop::new(&model.joints[j], ws.mass.get(model.nb() + j, model.nb() + j))).collect()
         });
+        let objects = Objects::new(setup.objects, nv);
+        let all = objects.list.last().map_or(nv, |object| object.velocities.end);
         let directions = model.soles.iter().map(|s| vec![Vector2::zeros(); s.vertices.len()]).collect();
         let mut plant = Plant {
-            layout: StateLayout::new(&model),
+            layout: StateLayout::new(&model, objects.list.iter().map(|object| &*object.model)),
             gravity: setup.gravity,
             floor: setup.floor,
             forces: setup.forces,
@@ -163,7 +186,8 @@ impl Plant {
             kinematics_state: state.clone(),
             refreshed: false,
             state,
-            reduced: reduced::Reduced::new(&model, &ws),
+            reduced: reduced::Reduced::of_contacts(model.soles.iter().map(ContactFrame::Sole), objects.mechanisms(&ws)),
+            objects,
             solution: Solution::new(&problem),
             has_point_forces: false,
             step_loads: None,
@@ -176,12 +200,12 @@ impl Plant {
             rest: setup.rest,
             step_error: setup.step_error,
             within: 0.0,
-            tau: vec![0.0; nv],
+            tau: vec![0.0; all],
             drives: Drives::new(&model),
             passive: vec![0.0; nj],
             external: vec![0.0; nv],
             arrows: Vec::new(),
-            acceleration: vec![0.0; nv],
+            acceleration: vec![0.0; all],
             implicit_diagonal: vec![0.0; nv],
             implicit_passive: vec![0.0; nj],
             implicit_external: vec![0.0; nv],
@@ -189,22 +213,18 @@ impl Plant {
             impulses: None,
             kinematic_paths: KinematicPaths::new(nj),
             prescribed_acceleration: vec![0.0; nj],
-            scratch: vec![0.0; nv],
+            scratch: vec![0.0; all],
+            jump: vec![0.0; all],
             evaluations: 0,
             failure: None,
             ws,
-            polygons: model.soles.clone(),
+            polygons: model.soles.iter().cloned().map(Polygon::Floor).collect(),
+            bodies: setup.bodies,
+            terrain: setup.terrain,
             model,
         };
         plant.reserve_forces();
         plant
-    }
-
-    /// Reserves memory for all forces that the models may list at one instant.
-    pub(super) fn reserve_forces(&mut self) {
-        let number = self.forces.iter().map(|force| force.arrows()).sum();
-        self.arrows.reserve(number);
-        self.dampers.reserve(number);
     }
 
     /// Evaluates all that does not depend on contact at `self.state`: tau, M and its factor, W, a0,
@@ -216,7 +236,7 @@ impl Plant {
         self.implicit_diagonal.fill(0.0);
         self.prescribe_accelerations(None);
         self.refreshed = false;
-        self.finish_free();
+        self.finish_free(None);
     }
 
     /// As [`evaluate_free`](Self::evaluate_free) for a velocity-level step of size `dt`. Servo,
@@ -252,12 +272,13 @@ impl Plant {
             *sum += external;
         }
         self.prescribe_accelerations(Some(dt));
-        self.finish_free();
+        self.finish_free(Some(dt));
     }
 
     /// Updates the kinematics to `self.state`, unless they belong to it already: a fixed step
     /// begins where the last one ended.
     pub fn update_kinematics(&mut self) {
+        self.refreshed &= !self.objects.update_kinematics();
         let (state, at) = (&self.state, &mut self.kinematics_state);
         at.time = state.time;
         if *at != *state {
@@ -276,7 +297,7 @@ impl Plant {
     pub fn set_body(&mut self, link: LinkId, body: &RigidInertia) {
         let model = Arc::make_mut(&mut self.model);
         model.links[link.0].set_body(body);
-        self.problem.scale = load_scale(model, &self.gravity);
+        self.problem.scale = load_scale(model.mass() + self.objects.mass(), &self.gravity);
         self.refreshed = false;
         self.kinematics_state.copy_from(&self.state);
         kinematics::update(&self.model, &self.state, &mut self.ws);
@@ -298,88 +319,29 @@ impl Plant {
                 joint_efforts::passive_implicit(&self.model, stops, joints, rates, dt, passive, implicit);
             }
         }
-        self.external.fill(0.0);
-        self.arrows.clear();
-        self.dampers.clear();
-        let context = ForceContext {
-            model: &self.model,
-            state: &self.state,
-            kinematics: &self.ws,
-            gravity: self.gravity,
-            // A velocity-level step evaluates forces that depend on time at its middle.
-            time: if dt.is_some() { self.within } else { self.state.time },
-            within: self.within,
-        };
-        let mut applied = AppliedForces::new(&mut self.external, &mut self.arrows);
-        for force in &mut self.forces {
-            force.evaluate(&context, &mut applied);
-        }
-        if let Some(dt) = dt {
-            self.implicit_external.fill(0.0);
-            self.forces.iter().for_each(|force| force.damping(&context, &mut self.implicit_external));
-            self.implicit_external.iter_mut().for_each(|term| *term *= dt);
-            self.dampers.gather(&self.forces, &context, dt);
-        }
-        self.tau.copy_from_slice(&self.external);
-        for (tau, (servo, passive)) in self.tau[nb..].iter_mut().zip(self.drives.servo.iter().zip(&self.passive)) {
+        self.evaluate_forces(dt);
+        let tau = &mut self.tau[..self.model.nv()];
+        tau.copy_from_slice(&self.external);
+        for (tau, (servo, passive)) in tau[nb..].iter_mut().zip(self.drives.servo.iter().zip(&self.passive)) {
             *tau += servo + passive;
         }
     }
 
-    /// Calls every force model's `init` at the present state.
-    pub fn init_forces(&mut self) -> Result<(), ForceError> {
-        (0..self.forces.len()).try_for_each(|i| self.init_force(i))
-    }
-
-    /// Adds a force model and reserves memory for its forces.
-    pub fn add_force(&mut self, force: Box<dyn Force>) -> Result<(), ForceError> {
-        self.forces.push(force);
-        self.reserve_forces();
-        self.init_force(self.forces.len() - 1)
-    }
-
-    /// Calls `init` of one force model at the present state, whose kinematics it updates.
-    pub(super) fn init_force(&mut self, i: usize) -> Result<(), ForceError> {
-        self.update_kinematics();
-        let context = ForceContext {
-            model: &self.model,
-            state: &self.state,
-            kinematics: &self.ws,
-            gravity: self.gravity,
-            time: self.state.time,
-            within: self.within,
-        };
-        self.forces[i].init(&context)
-    }
-
-    /// Calls every force model's `pass` at the present state, whose kinematics it updates.
-    pub fn pass_forces(&mut self, report: &mut ReportEvent) {
-        self.update_kinematics();
-        let context = ForceContext {
-            model: &self.model,
-            state: &self.state,
-            kinematics: &self.ws,
-            gravity: self.gravity,
-            time: self.state.time,
-            // Selects the smooth piece that begins here.
-            within: self.state.time,
-        };
-        self.forces.iter_mut().for_each(|force| force.on_corner(&context, report));
-    }
-
-    fn finish_free(&mut self) {
+    fn finish_free(&mut self, dt: Option<f64>) {
         rnea::bias(&mut self.ws, &self.gravity);
         crba::mass_matrix(&self.model, &mut self.ws);
         let prescribed = &self.reduced.prescribed;
         self.failure = self.dampers.factorize(&mut self.ws, &self.implicit_diagonal, prescribed).err();
+        let of_objects = self.objects.evaluate(&self.gravity, dt, &mut self.tau);
+        self.failure = self.failure.take().or(of_objects.err());
         if !self.refreshed {
-            reduced::geometry(&self.ws, &self.floor.rotation, &mut self.reduced);
+            self.update_frames();
         }
         if !self.reduced.prescribed.is_empty() {
             self.move_prescribed_to_right();
         }
         let tau = if self.reduced.prescribed.is_empty() { &self.tau } else { &self.scratch };
-        reduced::assemble_with_geometry(&self.ws, &self.floor.rotation, tau, &mut self.reduced);
+        reduced::assemble_with_geometry(self.objects.mechanisms(&self.ws), tau, &mut self.reduced);
         self.acceleration.copy_from_slice(&self.reduced.free);
         if self.failure.is_some() {
             self.acceleration.fill(f64::NAN);
@@ -391,10 +353,22 @@ impl Plant {
         }
     }
 
+    /// Updates the contact frames to the kinematics.
+    fn update_frames(&mut self) {
+        let mechanisms = self.objects.mechanisms(&self.ws);
+        for (s, polygon) in self.polygons.iter_mut().enumerate() {
+            if let Polygon::Pair(patch) = polygon {
+                patch.update(&self.bodies, mechanisms);
+                self.reduced.set_frame(s, patch.axes(), &patch.reference());
+            }
+        }
+        reduced::geometry(mechanisms, &self.floor.rotation, &mut self.reduced);
+    }
+
     /// Updates kinematics and vertices to `self.state`; forces stay those of the last step.
     pub fn refresh(&mut self) {
         self.update_kinematics();
-        reduced::geometry(&self.ws, &self.floor.rotation, &mut self.reduced);
+        self.update_frames();
         self.update_vertices();
         self.refreshed = true;
     }
@@ -406,10 +380,14 @@ impl Plant {
         p.step = 0.0;
         for (s, sole) in p.soles.iter_mut().enumerate() {
             sole.target = Vector3::zeros();
+            if let Polygon::Pair(patch) = &self.polygons[s] {
+                set_pair_vertices(patch, &self.reduced, s, self.rest, sole);
+                continue;
+            }
             sole.position = self.floor.to_floor(&(self.reduced.reference[s] - self.floor.point));
             let m = &self.reduced.velocity[6 * s..6 * s + 6];
             let (linear, omega) = (Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
-            let height = self.floor.height(&self.reduced.reference[s]);
+            let height = self.floor.gap(&self.reduced.reference[s]);
             for (v, arm) in sole.vertices.iter_mut().zip(self.reduced.vertices(SoleId(s))) {
                 // Values just stored are not read again: the processor would wait for them.
                 let r = *arm;
@@ -430,6 +408,11 @@ impl Plant {
         self.method.respond(&self.problem, &self.states, &mut self.solution);
         (self.has_point_forces, self.step_loads) = (false, None);
         self.close();
+    }
+
+    /// The patches of pairs of bodies, in the order of their polygons.
+    pub fn pair_patches(&self) -> impl Iterator<Item = &PairPatch> {
+        self.polygons.iter().filter_map(Polygon::pair)
     }
 
     /// Is the floor compliant?
@@ -467,16 +450,68 @@ impl Plant {
 
     /// Adds the contact wrenches of the solution to the accelerations.
     pub fn close(&mut self) {
-        reduced::apply(&self.ws, &mut self.reduced, &self.solution.wrench, &mut self.acceleration);
+        let mechanisms = self.objects.mechanisms(&self.ws);
+        reduced::apply(mechanisms, &mut self.reduced, &self.solution.wrench, &mut self.acceleration);
         if !self.reduced.prescribed.is_empty() {
             self.drive_reactions();
         }
     }
 
-    /// Kinetic energy of the state's velocity at the configuration of the last evaluation, J.
+    /// Kinetic energy of the states' velocities at the configurations of the last evaluation, J.
     pub fn kinetic_energy(&mut self) -> f64 {
         self.ws.mass.multiply(&self.state.v, &mut self.scratch);
-        0.5 * self.scratch.iter().zip(&self.state.v).map(|(p, v)| p * v).sum::<f64>()
+        let robot = 0.5 * self.scratch.iter().zip(&self.state.v).map(|(p, v)| p * v).sum::<f64>();
+        robot + self.objects.kinetic_energy()
+    }
+
+    /// Adds the velocity changes that impulses on the contacts (6F) cause.
+    pub fn add_impulses(&mut self, impulses: &[f64]) {
+        let mut jump = std::mem::take(&mut self.jump);
+        jump.fill(0.0);
+        reduced::apply(self.objects.mechanisms(&self.ws), &mut self.reduced, impulses, &mut jump);
+        self.add_velocity(&jump);
+        self.jump = jump;
+    }
+
+    /// Adds changes of the velocities of all mechanisms.
+    pub fn add_velocity(&mut self, dv: &[f64]) {
+        self.state.v.iter_mut().zip(dv).for_each(|(v, dv)| *v += dv);
+        self.objects.add_velocity(dv);
+    }
+
+    /// Moves all configurations by displacements of all mechanisms.
+    pub fn displace(&mut self, d: &[f64]) {
+        self.state.displace(&d[..self.state.v.len()]);
+        self.objects.displace(d);
+    }
+
+    /// Velocities of all mechanisms.
+    pub fn velocities(&self) -> Vec<f64> {
+        let mut v = vec![0.0; self.acceleration.len()];
+        self.write_velocities_times(1.0, &mut v);
+        v
+    }
+
+    /// Sets the velocities of all mechanisms.
+    pub fn set_velocities(&mut self, v: &[f64]) {
+        let nv = self.state.v.len();
+        self.state.v.copy_from_slice(&v[..nv]);
+        for object in &mut self.objects.list {
+            object.state.v.copy_from_slice(&v[object.velocities.clone()]);
+        }
+    }
+
+    /// Velocities of all mechanisms times `dt`.
+    pub fn write_velocities_times(&self, dt: f64, out: &mut [f64]) {
+        let objects = self.objects.list.iter().flat_map(|object| &object.state.v);
+        self.state.v.iter().chain(objects).zip(out).for_each(|(v, d)| *d = v * dt);
+    }
+
+    /// Writes the states and the energy flows into the integrator's vector.
+    pub fn pack(&self, flows: &EnergyFlows, y: &mut [f64]) {
+        self.layout.pack(0, &self.state, y);
+        self.objects.list.iter().enumerate().for_each(|(o, object)| self.layout.pack(1 + o, &object.state, y));
+        self.layout.pack_flows(flows, y);
     }
 
     /// Reference point of a sole relative to the floor point, floor axes, m.
@@ -485,22 +520,43 @@ impl Plant {
     }
 }
 
-/// Scale of the contact forces: the weight, N, or the mass where gravity is below 1 m/s^2.
-pub fn load_scale(model: &Model, gravity: &Vector3<f64>) -> f64 {
-    model.mass() * gravity.norm().max(1.0)
+/// Sets the vertices of the patch of a pair.
+fn set_pair_vertices(patch: &PairPatch, reduced: &reduced::Reduced, s: usize, rest: f64, sole: &mut SoleProblem) {
+    let (axes, reference) = (&reduced.axes[s], &reduced.reference[s]);
+    sole.position = axes.tr_mul(reference);
+    let m = &reduced.velocity[6 * s..6 * s + 6];
+    let (linear, omega) = (Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
+    for (i, v) in sole.vertices.iter_mut().enumerate() {
+        let point = patch.point(i);
+        v.r = axes.tr_mul(&(point.position - reference));
+        (v.height, v.velocity) = (point.gap, linear + omega.cross(&v.r));
+        v.bias = axes.tr_mul(&point.bias);
+        v.moving = v.velocity.xy().norm_squared() > rest * rest;
+        v.near = false;
+    }
+}
+
+/// Scale of the contact forces: the weight of this mass, N, or the mass where gravity is below 1 m/s^2.
+pub fn load_scale(mass: f64, gravity: &Vector3<f64>) -> f64 {
+    mass * gravity.norm().max(1.0)
 }
 
 impl System for Plant {
     fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) {
-        let layout = self.layout;
         self.unpack(t, y);
         self.evaluate();
-        layout.derivative(y, &self.state.v, &self.acceleration, &self.powers(), dy);
-        layout
-            .actuators(dy)
-            .iter_mut()
-            .zip(self.drives.lag_rates(&self.model, &self.state.actuators))
-            .for_each(|(rate, lag)| *rate = lag);
+        let layout = &self.layout;
+        let set = |rates: &mut [f64], lag: &mut dyn Iterator<Item = f64>| {
+            rates.iter_mut().zip(lag).for_each(|(rate, lag)| *rate = lag);
+        };
+        layout.configuration_derivative(0, y, &self.state.v, dy);
+        set(layout.actuators(0, dy), &mut self.drives.lag_rates(&self.model, &self.state.actuators));
+        for (o, object) in self.objects.list.iter().enumerate() {
+            layout.configuration_derivative(1 + o, y, &object.state.v, dy);
+            set(layout.actuators(1 + o, dy), &mut object.lag_rates());
+        }
+        dy[layout.velocities()].copy_from_slice(&self.acceleration);
+        layout.pack_flows(&self.powers(), dy);
         // The motion of kinematic joints is prescribed, not integrated.
         self.kinematic_paths.joints().iter().for_each(|j| layout.hold(*j, dy));
     }

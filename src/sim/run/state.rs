@@ -10,6 +10,7 @@ use crate::contact::selection_record::SelectionRecord;
 use crate::sim::carried_object::CarriedObjects;
 use crate::sim::command_source::CommandSource;
 use crate::sim::contact_states::link_contacts::LinkContacts;
+use crate::sim::contact_states::pair_contacts::PairContacts;
 use crate::sim::event_kind::EventKind;
 use crate::sim::floor::SunkLinks;
 use crate::sim::measure::energy_balance::EnergyAccount;
@@ -110,6 +111,8 @@ pub struct RunState {
     pub fallen_below: Option<f64>,
     /// Links that touch the floor, if not only soles do.
     pub links: Option<Box<LinkContacts>>,
+    /// Pairs of bodies that may touch.
+    pub pairs: PairContacts,
     /// Links that end the run when they sink through the floor, if any may.
     pub sunk_links: Option<SunkLinks>,
     /// Time of the last impact faster than the velocity tolerance, s.

@@ -109,7 +109,7 @@ impl ExplicitStepper {
         observer: &mut dyn Observer,
     ) -> Result<(), RunError> {
         let t0 = sim.plant.state.time;
-        let layout = sim.plant.layout;
+        let layout = sim.plant.layout.clone();
         let remaining = until - t0;
         let suffices = remaining >= SlidingMode::SHORTEST;
         sim.deferral = if suffices { Deferral::Allowed } else { Deferral::Refused };
@@ -204,7 +204,7 @@ impl ExplicitStepper {
                 sim.metrics.events += 1;
                 sim.stall_guard.count_at_instant(sim.plant.state.time)?;
             }
-            if sim.update_link_polygons(None)? {
+            if sim.update_polygons(None)? {
                 sim.plant.evaluate();
             }
             sim.read_compliant_states(observer)?;
@@ -243,7 +243,7 @@ impl ExplicitStepper {
         hop: &mut Option<f64>,
         remaining: f64,
     ) -> Option<f64> {
-        let layout = sim.plant.layout;
+        let layout = sim.plant.layout.clone();
         loop {
             sim.plant.within = t0 + 0.5 * h;
             self.pair.attempt(&mut sim.plant, t0, h);
@@ -314,9 +314,10 @@ impl ExplicitStepper {
 
     /// Evaluates the start of a step and selects its event functions.
     fn begin(&mut self, sim: &mut RunState, t0: f64) {
-        sim.plant.layout.pack(&sim.plant.state, &sim.energy.flows, &mut self.y);
+        sim.plant.pack(&sim.energy.flows, &mut self.y);
         self.pair.begin(&mut sim.plant, t0, &self.y);
         sim.plant.update_reference_directions();
+        sim.pairs.update_terrain(&mut sim.plant);
         self.functions.begin(sim);
         self.functions.values(sim, &mut self.start);
     }

@@ -81,7 +81,7 @@ impl SemiImplicitStepper {
 
     /// Sets up the contact problem of a step at the present state and solves it.
     fn solve_contact(&self, sim: &mut RunState, dt: f64, observer: &mut dyn Observer) -> Result<(), RunError> {
-        sim.update_link_polygons(Some(dt))?;
+        sim.update_polygons(Some(dt))?;
         evaluate_step(sim, dt)?;
         sim.update_friction(observer)?;
         sim.measure_energy();
@@ -104,7 +104,7 @@ pub(super) fn evaluate_step(sim: &mut RunState, dt: f64) -> Result<(), RunError>
 pub(super) fn apply_step(sim: &mut RunState, dt: f64, end: f64) {
     displace(sim, dt);
     let plant = &mut sim.plant;
-    plant.state.v.iter_mut().zip(&sim.displacement).for_each(|(v, dv)| *v += dv);
+    plant.add_velocity(&sim.displacement);
     if let Some(impulses) = &mut plant.impulses {
         impulses.add(&plant.solution.wrench, 1.0);
     }
@@ -115,11 +115,15 @@ pub(super) fn apply_step(sim: &mut RunState, dt: f64, end: f64) {
     sim.energy.flows.add(&flows);
     sim.energy.jump_work += jumps;
     plant.drives.advance_lag(&plant.model, &sim.displacement[nb..], dt, &mut plant.state.actuators);
+    for object in &mut plant.objects.list {
+        object.end_step(&sim.displacement[object.velocities.clone()], dt);
+    }
     plant.solution.scale(1.0 / dt);
     plant.evaluate_step_loads();
-    plant.state.v.iter().zip(&mut sim.displacement).for_each(|(v, d)| *d = v * dt);
-    plant.state.displace(&sim.displacement);
+    plant.write_velocities_times(dt, &mut sim.displacement);
+    plant.displace(&sim.displacement);
     plant.state.time = end;
+    plant.objects.set_time(end);
     plant.apply_prescribed_positions();
     plant.refresh();
 }
@@ -138,7 +142,8 @@ pub(super) fn show_forces(sim: &mut RunState, dt: f64) {
 fn displace(sim: &mut RunState, dt: f64) {
     let plant = &mut sim.plant;
     sim.displacement.iter_mut().zip(&plant.acceleration).for_each(|(d, a)| *d = dt * a);
-    reduced::apply(&plant.ws, &mut plant.reduced, &plant.solution.wrench, &mut sim.displacement);
+    let mechanisms = plant.objects.mechanisms(&plant.ws);
+    reduced::apply(mechanisms, &mut plant.reduced, &plant.solution.wrench, &mut sim.displacement);
 }
 
 /// Turns the reduced problem into the velocity-level one of this step.

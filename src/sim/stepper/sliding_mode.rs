@@ -183,7 +183,7 @@ impl SlidingMode {
         observer: &mut dyn Observer,
     ) -> Result<bool, RunError> {
         let t0 = sim.plant.state.time;
-        sim.update_link_polygons(Some(self.h))?;
+        sim.update_polygons(Some(self.h))?;
         sim.emit_due_snapshots(t0, observer)?;
         if let Some(sampler) = &mut sim.sampler {
             sampler.begin_step(&sim.plant.state);
@@ -191,11 +191,11 @@ impl SlidingMode {
         let logged = sim.log.next().filter(|&t| t >= t0 + Self::SHORTEST);
         let end = logged.map_or(until, |t| t.min(until));
         let remaining = end - t0;
-        let layout = sim.plant.layout;
+        let layout = sim.plant.layout.clone();
         let states = sim.plant.states;
         let jumps = sim.energy.jump_work;
         let impulses = sim.plant.impulses.take();
-        layout.pack(&sim.plant.state, &sim.energy.flows, &mut self.start);
+        sim.plant.pack(&sim.energy.flows, &mut self.start);
         self.directions.clone_from(&sim.plant.directions);
         // Grows no more after a rejection.
         let mut most = f64::INFINITY;
@@ -207,14 +207,14 @@ impl SlidingMode {
             // Leaves no sliver before the end.
             h = if remaining - h < 0.01 * h { remaining } else { h };
             self.advance(sim, h, t0 + h, observer)?;
-            layout.pack(&sim.plant.state, &sim.energy.flows, &mut self.whole);
+            sim.plant.pack(&sim.energy.flows, &mut self.whole);
             let jump_of_whole = sim.energy.jump_work - jumps;
             self.restore(sim, t0, jumps, &states);
             self.advance(sim, 0.5 * h, t0 + 0.5 * h, observer)?;
             self.impulse.clear();
             self.impulse.extend(sim.plant.solution.wrench.iter().map(|w| w * 0.5 * h));
             self.advance(sim, 0.5 * h, t0 + h, observer)?;
-            layout.pack(&sim.plant.state, &sim.energy.flows, &mut self.halves);
+            sim.plant.pack(&sim.energy.flows, &mut self.halves);
             let jump_of_halves = sim.energy.jump_work - jumps;
             let (error, factor) = match *size {
                 StepSize::Controlled { relative, absolute, .. } => {

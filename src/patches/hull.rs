@@ -1,0 +1,127 @@
+//! Polyhedra from convex hulls: merges coplanar triangles to polygons.
+//!
+//! Vertices within `COPLANAR` times the size of the hull of the plane of a triangle belong to its
+//! face. The corners of the face are those of their outline. Large triangles come first, as their
+//! planes are the best known.
+
+use super::ConvexBody;
+use nalgebra::{Vector2, Vector3};
+
+/// Distance from the plane of a face, relative to the size of the hull.
+const COPLANAR: f64 = 1e-9;
+
+impl ConvexBody {
+    /// A polyhedron from the vertices, m, and triangles of a convex hull, counter-clockwise seen
+    /// from outside. Coplanar triangles become one face. `None` if the triangles do not close.
+    pub fn from_hull(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Option<Self> {
+        let first = *vertices.first()?;
+        let size = vertices.iter().map(|p| (p - first).norm()).fold(0.0, f64::max);
+        let area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|k| vertices[k as usize]);
+            (b - a).cross(&(c - a))
+        };
+        let mut order: Vec<&[u32; 3]> = triangles.iter().collect();
+        order.sort_by(|s, t| area(t).norm_squared().total_cmp(&area(s).norm_squared()));
+        let mut faces: Vec<(Vec<u16>, Vector3<f64>)> = Vec::new();
+        for triangle in order {
+            let is_known = |ring: &[u16]| triangle.iter().all(|&k| ring.contains(&(k as u16)));
+            if faces.iter().any(|(ring, _)| is_known(ring)) {
+                continue;
+            }
+            let Some(normal) = area(triangle).try_normalize(0.0) else { continue };
+            let origin = vertices[triangle[0] as usize];
+            let on_plane = |k: &u16| normal.dot(&(vertices[*k as usize] - origin)).abs() <= COPLANAR * size;
+            let mut ring: Vec<u16> = (0..vertices.len() as u16).filter(on_plane).collect();
+            let all = ring.clone();
+            outline(&mut ring, vertices, &normal, size);
+            let is_repeated = faces.iter().any(|(known, n)| n.dot(&normal) > 0.0 && all_in(&ring, known));
+            if ring.len() > 2 && all.len() > 2 && !is_repeated {
+                faces.push((ring, normal));
+            }
+        }
+        compact(vertices, faces).or_else(|| {
+            let face = |t: &[u32; 3]| Some((t.map(|k| k as u16).to_vec(), area(t).try_normalize(0.0)?));
+            compact(vertices, triangles.iter().filter_map(face).collect())
+        })
+    }
+
+    /// The convex hull of points, m; `None` for points without volume. For set-up and tests: the
+    /// effort grows with the square of the number of points.
+    pub fn from_points(points: &[Vector3<f64>]) -> Option<Self> {
+        let triangles = convex_hull(points)?;
+        Self::from_hull(points, &triangles)
+    }
+}
+
+fn all_in(ring: &[u16], known: &[u16]) -> bool {
+    ring.iter().all(|k| known.contains(k))
+}
+
+/// A body from faces; vertices without a face are dropped.
+fn compact(vertices: &[Vector3<f64>], mut faces: Vec<(Vec<u16>, Vector3<f64>)>) -> Option<ConvexBody> {
+    let is_used = |k: &usize| faces.iter().any(|(ring, _)| ring.contains(&(*k as u16)));
+    let used: Vec<usize> = (0..vertices.len()).filter(is_used).collect();
+    for k in faces.iter_mut().flat_map(|(ring, _)| ring) {
+        *k = used.binary_search(&(*k as usize)).ok()? as u16;
+    }
+    ConvexBody::from_faces(used.into_iter().map(|k| vertices[k]).collect(), faces)
+}
+
+/// Replaces coplanar points by the corners of their outline, counter-clockwise about `normal`.
+fn outline(ring: &mut Vec<u16>, vertices: &[Vector3<f64>], normal: &Vector3<f64>, size: f64) {
+    let across = normal.cross(&Vector3::ith(normal.iamin(), 1.0)).normalize();
+    let up = normal.cross(&across);
+    let flat = |k: u16| Vector2::new(across.dot(&vertices[k as usize]), up.dot(&vertices[k as usize]));
+    ring.sort_by(|&s, &t| flat(s).x.total_cmp(&flat(t).x).then(flat(s).y.total_cmp(&flat(t).y)));
+    let points = std::mem::take(ring);
+    let mut half = |points: &mut dyn Iterator<Item = u16>| {
+        let start = ring.len();
+        for k in points {
+            while ring.len() >= start + 2 {
+                let (o, p) = (flat(ring[ring.len() - 2]), flat(ring[ring.len() - 1]));
+                if (p - o).perp(&(flat(k) - p)) > COPLANAR * size * (flat(k) - o).norm() {
+                    break;
+                }
+                ring.pop();
+            }
+            ring.push(k);
+        }
+        ring.pop();
+    };
+    half(&mut points.iter().copied());
+    half(&mut points.iter().rev().copied());
+}
+
+/// Triangles of the convex hull, by adding one point after the other.
+fn convex_hull(points: &[Vector3<f64>]) -> Option<Vec<[u32; 3]>> {
+    let farthest =
+        |f: &dyn Fn(&Vector3<f64>) -> f64| (0..points.len()).max_by(|&i, &j| f(&points[i]).total_cmp(&f(&points[j])));
+    let a = 0;
+    let b = farthest(&|p| (p - points[a]).norm_squared())?;
+    let along = points[b] - points[a];
+    let c = farthest(&|p| along.cross(&(p - points[a])).norm_squared())?;
+    let normal = along.cross(&(points[c] - points[a])).try_normalize(0.0)?;
+    let d = farthest(&|p| normal.dot(&(p - points[a])).abs())?;
+    let height = normal.dot(&(points[d] - points[a]));
+    let tolerance = 1e-12 * along.norm();
+    if height.abs() <= tolerance {
+        return None;
+    }
+    let (b, c) = if height > 0.0 { (c, b) } else { (b, c) };
+    let [a, b, c, d] = [a, b, c, d].map(|k| k as u32);
+    let mut triangles = vec![[a, b, c], [a, d, b], [b, d, c], [c, d, a]];
+    for k in 0..points.len() as u32 {
+        let is_visible = |t: &[u32; 3]| {
+            let [p, q, r] = t.map(|k| points[k as usize]);
+            let normal = (q - p).cross(&(r - p)).try_normalize(0.0).unwrap_or_default();
+            normal.dot(&(points[k as usize] - p)) > tolerance
+        };
+        let visible: Vec<[u32; 3]> = triangles.iter().filter(|t| is_visible(t)).copied().collect();
+        triangles.retain(|t| !visible.contains(t));
+        let sides = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+        let all: Vec<[u32; 2]> = visible.iter().flat_map(sides).collect();
+        let horizon = all.iter().filter(|s| !all.contains(&[s[1], s[0]]));
+        triangles.extend(horizon.map(|s| [s[0], s[1], k]));
+    }
+    Some(triangles)
+}

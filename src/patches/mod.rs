@@ -1,0 +1,186 @@
+//! Contact patches between two convex bodies that touch along one common supporting plane.
+//!
+//! Bodies A and B, of which both may move, touch in a convex polygon, a segment or a point. All of
+//! these lie in one plane with the normal n, which points from B into A. The owner of the plane is
+//! the feature, or the pair of features, that defines n:
+//!
+//! ```text
+//! FaceOfB(f)   n =  R_B n_f               all corners of A are above the face
+//! FaceOfA(f)   n = -R_A n_f               all corners of B are below the face
+//! Edges(a, b)  n = +-(e_A x e_B)/|e_A x e_B|
+//! others       n = (c_A - c_B)/|c_A - c_B|  nearest points of the cores; rounded bodies only
+//! ```
+//!
+//! - `body`, `hull`: bodies with their features, in body frames.
+//! - `separation`: signed separation of a pair, and the owner of its plane.
+//! - `clipping`: the topology of a patch: which features are its corners.
+//! - `kinematics`: axes, positions, gaps, velocities and bias accelerations of a held topology.
+//! - `validity`: a continuous function that is positive while the topology holds.
+//! - `reowner`: changes of the owner when only some corners stay in contact.
+//!
+//! Units: m, s, rad.
+//!
+//! Imports: nothing of this crate. Used by: `sim`, `assemble`.
+
+pub mod body;
+pub mod clipping;
+pub mod hull;
+pub mod kinematics;
+pub mod reowner;
+mod roles;
+pub mod separation;
+#[cfg(test)]
+mod tests;
+pub mod validity;
+
+pub use body::{ConvexBody, Edge, Face};
+pub use clipping::topology;
+pub use kinematics::geometry;
+pub use reowner::reowner;
+pub use separation::{Separation, overlap_depth, separation};
+pub use validity::validity;
+
+use nalgebra::{Matrix3, Vector3};
+
+/// Distance, m, below which corners are one, and up to which a vertex lies on a border.
+pub const RESOLUTION: f64 = 1e-9;
+
+/// Greatest number of corners of a patch.
+pub const MAX_CORNERS: usize = 64;
+
+/// Pose and velocity of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// World from body axes.
+    pub rotation: Matrix3<f64>,
+    /// Origin of the body frame, world, m.
+    pub position: Vector3<f64>,
+    /// Velocity of the origin of the body frame, world, m/s.
+    pub velocity: Vector3<f64>,
+    /// Angular velocity, world, rad/s.
+    pub omega: Vector3<f64>,
+}
+
+impl Placement {
+    /// A body at rest. `rotation`: world from body; `position`: world, m.
+    pub fn at_rest(rotation: Matrix3<f64>, position: Vector3<f64>) -> Self {
+        Placement { rotation, position, velocity: Vector3::zeros(), omega: Vector3::zeros() }
+    }
+
+    /// World position, m, of a point given in the body frame, m.
+    pub fn point(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        self.position + self.rotation * v
+    }
+
+    /// Velocity, world, m/s, of the material point of the body at the world position `x`, m.
+    pub fn velocity_at(&self, x: &Vector3<f64>) -> Vector3<f64> {
+        self.velocity + self.omega.cross(&(x - self.position))
+    }
+}
+
+/// The feature or pair of features that defines the plane of contact. Indices of features of A come
+/// before those of B.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Owner {
+    /// Face of A; n is opposite to its outward normal.
+    FaceOfA(u16),
+    /// Face of B; n is its outward normal.
+    FaceOfB(u16),
+    /// Edge of A and edge of B that cross.
+    Edges(u16, u16),
+    /// Vertex of A and vertex of B, one of them rounded.
+    VertexVertex(u16, u16),
+    /// Vertex of A and edge of B, one of them rounded.
+    VertexOfAEdgeOfB(u16, u16),
+    /// Edge of A and vertex of B, one of them rounded.
+    EdgeOfAVertexOfB(u16, u16),
+}
+
+/// A corner of a patch by the features that define it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Corner {
+    /// Vertex of A.
+    A(u16),
+    /// Vertex of B.
+    B(u16),
+    /// Crossing of two edges.
+    Crossing {
+        /// Edge of A.
+        a: u16,
+        /// Edge of B.
+        b: u16,
+    },
+}
+
+/// Topology of a patch; it persists from step to step until `validity` reaches zero.
+#[derive(Clone, Debug)]
+pub struct Topology {
+    /// Definition of the plane.
+    pub owner: Owner,
+    /// For owners that are faces: the face of the other body; `None` for bodies without faces.
+    pub incident: Option<u16>,
+    /// Corners, counter-clockwise about n.
+    pub corners: Vec<Corner>,
+    /// Sign of e_A x e_B along n, for edge pairs.
+    sign: f64,
+    /// Axis of A's body frame from which the tangents are built, for vertex pairs.
+    axis: u8,
+    /// Added to the functions of `validity`, in their order, so that none is zero at the start, m.
+    offsets: Vec<f64>,
+}
+
+impl Topology {
+    /// An empty topology, with room for the greatest patch.
+    pub fn new() -> Self {
+        Topology {
+            owner: Owner::FaceOfB(0),
+            incident: None,
+            corners: Vec::with_capacity(MAX_CORNERS),
+            sign: 1.0,
+            axis: 0,
+            offsets: Vec::new(),
+        }
+    }
+}
+
+impl Default for Topology {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Axes and corners of a patch at one configuration.
+#[derive(Clone, Debug)]
+pub struct PatchGeometry {
+    /// World from patch axes. Column 2 is n, from B into A. Column 0 is fixed to the owner.
+    pub axes: Matrix3<f64>,
+    /// One entry per corner of the topology, in its order.
+    pub points: Vec<CornerMotion>,
+}
+
+impl PatchGeometry {
+    /// No corners, with room for the greatest patch.
+    pub fn new() -> Self {
+        PatchGeometry { axes: Matrix3::identity(), points: Vec::with_capacity(MAX_CORNERS) }
+    }
+}
+
+impl Default for PatchGeometry {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Position and relative motion at a corner of a patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CornerMotion {
+    /// World, m.
+    pub position: Vector3<f64>,
+    /// Distance along n, m.
+    pub gap: f64,
+    /// Part of the relative acceleration that does not depend on the accelerations of the bodies,
+    /// world, m/s^2.
+    pub bias: Vector3<f64>,
+    /// Velocity of the material point of A minus that of B, world, m/s.
+    pub velocity: Vector3<f64>,
+}

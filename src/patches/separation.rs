@@ -1,0 +1,321 @@
+//! Signed separation of two convex bodies, by a search over the features that can own a plane.
+//!
+//! Along a unit vector n from B into A the cores are apart by the support distance
+//!
+//! ```text
+//! s(n) = min_A n . x - max_B n . y - r_A - r_B
+//! ```
+//!
+//! Each s(n) is a lower bound of the distance, and the greatest s(n) is the distance, or minus the
+//! least depth of an overlap. For polyhedra that overlap or touch the greatest s(n) is at a face of
+//! the Minkowski difference A - B: a face of A, a face of B, or a pair of edges. An edge pair with
+//! n along e_A x e_B is such a face if both bodies are on their sides of the plane,
+//!
+//! ```text
+//! n . u_A0 > 0,  n . u_A1 > 0,  n . u_B0 < 0,  n . u_B1 < 0
+//! ```
+//!
+//! with the vectors u into the faces of the edges (see `body`). Rounded bodies also need the lines
+//! between nearest points: vertex and vertex, vertex and edge.
+//!
+//! With the centres at the distance D = c_A - c_B and the distances rho_A, rho_B of the centres from
+//! the nearest faces, s(n) <= n . D - rho_A - rho_B - r_A - r_B. Candidates with a bound less than
+//! the best separation are skipped. For an edge pair, n lies between the normals of the faces of
+//! each edge: at most the angle phi/2 from one of them, where phi is the angle between them.
+//!
+//! Among candidates within `TIE` the first in the order faces of B, faces of A, edges is the owner.
+//! Pairs of nearest points replace them: a ball beyond the border of a face belongs to the edge,
+//! although s differs only by the square of the distance from the border.
+
+use super::kinematics::plane_normal;
+use super::roles::relative;
+use super::{ConvexBody, Edge, Owner, Placement};
+use nalgebra::{Matrix3, Vector3};
+
+/// Separations closer than this, m, are equal.
+pub const TIE: f64 = 1e-12;
+
+/// An owner must reach the separation up to this, m.
+const REACH: f64 = 1e-9;
+
+/// Added to bounds against roundoff, m.
+const SLACK: f64 = 1e-9;
+
+/// Least sine of the angle between edges that make a plane.
+const PARALLEL: f64 = 1e-9;
+
+/// Result of `separation`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Separation {
+    /// Greatest support distance over all candidates, m: positive when apart, negative when they
+    /// overlap. At early returns, that of a separating axis.
+    pub distance: f64,
+    /// The best candidate that may own a patch; `None` if it is worse than `distance` by 1e-9 m.
+    pub owner: Option<Owner>,
+}
+
+/// Separation of A and B. The search starts with `hint` and ends early with a candidate whose
+/// separation is greater than `margin`, m; an infinite margin makes it complete.
+pub fn separation(
+    a: &ConvexBody,
+    pa: &Placement,
+    b: &ConvexBody,
+    pb: &Placement,
+    hint: Option<Owner>,
+    margin: f64,
+) -> Separation {
+    let (r, p) = relative(pb, pa);
+    let between = if a.is_half_space() || b.is_half_space() { Vector3::zeros() } else { r * a.centre + p - b.centre };
+    let mut search = Search { a, b, r, p, between, distance: f64::NEG_INFINITY, best: f64::NEG_INFINITY, owner: None };
+    if a.is_half_space() && b.is_half_space() {
+        return Separation { distance: f64::NEG_INFINITY, owner: None };
+    }
+    let spheres = (pa.point(&a.centre) - pb.point(&b.centre)).norm() - a.radius - b.radius;
+    if spheres > margin {
+        return Separation { distance: spheres, owner: None };
+    }
+    if let Some(owner) = hint.filter(|&owner| search.has(owner)) {
+        let n = pb.rotation.tr_mul(&plane_normal(owner, a, pa, b, pb));
+        let value = search.along(&n);
+        if n != Vector3::zeros() && value > margin {
+            return Separation { distance: value, owner: Some(owner).filter(|&owner| search.is_touchable(owner)) };
+        }
+    }
+    if !a.is_half_space() {
+        search.faces_of_b();
+    }
+    if !b.is_half_space() {
+        search.faces_of_a();
+    }
+    if search.distance <= margin {
+        search.edges();
+        if a.rounding + b.rounding > 0.0 {
+            search.nearest_points();
+        }
+    }
+    search.result()
+}
+
+/// Depth of an overlap, m; zero when apart.
+pub fn overlap_depth(a: &ConvexBody, pa: &Placement, b: &ConvexBody, pb: &Placement) -> f64 {
+    (-separation(a, pa, b, pb, None, f64::INFINITY).distance).max(0.0)
+}
+
+struct Search<'a> {
+    a: &'a ConvexBody,
+    b: &'a ConvexBody,
+    /// Frame of B from frame of A.
+    r: Matrix3<f64>,
+    p: Vector3<f64>,
+    /// D in the frame of B.
+    between: Vector3<f64>,
+    distance: f64,
+    /// Separation along the normal of `owner`.
+    best: f64,
+    owner: Option<Owner>,
+}
+
+impl Search<'_> {
+    fn result(&self) -> Separation {
+        let rounding = self.a.rounding + self.b.rounding;
+        // Without candidates the cores share a point.
+        let distance = if self.distance == f64::NEG_INFINITY { -rounding } else { self.distance };
+        Separation { distance, owner: self.owner.filter(|_| self.best >= distance - REACH) }
+    }
+
+    /// s(n); `n` in the frame of B.
+    fn along(&self, n: &Vector3<f64>) -> f64 {
+        if self.a.is_half_space() || self.b.is_half_space() {
+            return self.along_half_space(n);
+        }
+        let lowest = self.a.least(&self.r.tr_mul(n)) + n.dot(&self.p);
+        lowest + self.b.least(&-n) - self.a.rounding - self.b.rounding
+    }
+
+    /// s(n) for n normal to the half-space.
+    fn along_half_space(&self, n: &Vector3<f64>) -> f64 {
+        if self.b.is_half_space() {
+            self.a.least(&self.r.tr_mul(n)) + n.dot(&self.p) - self.a.rounding
+        } else {
+            self.b.least(&-n) + n.dot(&self.p) - self.b.rounding
+        }
+    }
+
+    fn has(&self, owner: Owner) -> bool {
+        let (a, b) = (self.a, self.b);
+        match owner {
+            Owner::FaceOfA(i) => (i as usize) < a.faces.len() && !b.is_half_space(),
+            Owner::FaceOfB(i) => (i as usize) < b.faces.len() && !a.is_half_space(),
+            Owner::Edges(i, j) => (i as usize) < a.edges.len() && (j as usize) < b.edges.len(),
+            Owner::VertexVertex(i, j) => (i as usize) < a.vertices.len() && (j as usize) < b.vertices.len(),
+            Owner::VertexOfAEdgeOfB(i, j) => (i as usize) < a.vertices.len() && (j as usize) < b.edges.len(),
+            Owner::EdgeOfAVertexOfB(i, j) => (i as usize) < a.edges.len() && (j as usize) < b.vertices.len(),
+        }
+    }
+
+    fn is_touchable(&self, owner: Owner) -> bool {
+        let (a, b) = (self.a, self.b);
+        match owner {
+            Owner::FaceOfA(i) => a.face(i).touchable,
+            Owner::FaceOfB(i) => b.face(i).touchable,
+            Owner::Edges(i, j) => a.edge(i).touchable && b.edge(j).touchable,
+            Owner::VertexVertex(i, j) => a.is_vertex_touchable(i) && b.is_vertex_touchable(j),
+            Owner::VertexOfAEdgeOfB(i, j) => a.is_vertex_touchable(i) && b.edge(j).touchable,
+            Owner::EdgeOfAVertexOfB(i, j) => a.edge(i).touchable && b.is_vertex_touchable(j),
+        }
+    }
+
+    /// Takes a candidate into account. It becomes the owner if it is better than the last one by
+    /// more than `step`.
+    fn offer(&mut self, value: f64, owner: Owner, step: f64) {
+        self.distance = self.distance.max(value);
+        if (self.owner.is_none() || value > self.best + step) && self.is_touchable(owner) {
+            (self.best, self.owner) = (value, Some(owner));
+        }
+    }
+
+    /// Whether a candidate with this upper bound cannot matter.
+    fn is_hopeless(&self, bound: f64, step: f64) -> bool {
+        bound <= self.distance && self.owner.is_some() && bound <= self.best + step
+    }
+
+    /// Upper bound of s(n); infinite with half-spaces.
+    fn bound(&self, n: &Vector3<f64>) -> f64 {
+        if self.a.is_half_space() || self.b.is_half_space() {
+            return f64::INFINITY;
+        }
+        n.dot(&self.between) - self.a.inner - self.b.inner - self.a.rounding - self.b.rounding
+    }
+
+    fn faces_of_b(&mut self) {
+        for (k, face) in self.b.faces.iter().enumerate() {
+            if self.is_hopeless(self.bound(&face.normal) + SLACK, TIE) {
+                continue;
+            }
+            let lowest = self.a.least(&self.r.tr_mul(&face.normal)) + face.normal.dot(&self.p);
+            self.offer(lowest - face.offset - self.a.rounding, Owner::FaceOfB(k as u16), TIE);
+        }
+    }
+
+    fn faces_of_a(&mut self) {
+        for (k, face) in self.a.faces.iter().enumerate() {
+            let m = self.r * face.normal;
+            if self.is_hopeless(self.bound(&-m) + SLACK, TIE) {
+                continue;
+            }
+            let lowest = self.b.least(&m) - m.dot(&self.p);
+            self.offer(lowest - face.offset - self.b.rounding, Owner::FaceOfA(k as u16), TIE);
+        }
+    }
+
+    /// Whether an edge can matter by the bound of s(n). `towards`: direction from the centre of its
+    /// body to the other centre, D or -D, in the frame of the body.
+    fn may_matter(&self, body: &ConvexBody, edge: &Edge, towards: &Vector3<f64>) -> bool {
+        if body.faces.is_empty() || self.owner.is_none() {
+            return true;
+        }
+        let [m, o] = edge.faces.map(|k| body.face(k).normal);
+        let size = towards.norm();
+        let needed = self.distance.min(self.best) - SLACK - self.bound(&Vector3::zeros());
+        // n . D >= needed: n is within the angle alpha of D, so a face is within alpha + phi/2.
+        let (cos, both) = ((needed / size).clamp(-1.0, 1.0), m.dot(&o).clamp(-1.0, 1.0));
+        let (cos_half, sin_half) = (((1.0 + both) / 2.0).sqrt(), ((1.0 - both) / 2.0).sqrt());
+        let sin = (1.0 - cos * cos).sqrt();
+        let is_all = !(size > SLACK) || sin * cos_half + cos * sin_half <= 0.0;
+        let least = (cos * cos_half - sin * sin_half - 1e-6) * size;
+        is_all || m.dot(towards).max(o.dot(towards)) >= least
+    }
+
+    fn edges(&mut self) {
+        let (a, b) = (self.a, self.b);
+        let towards = self.r.tr_mul(&-self.between);
+        // One bit for each edge of B that may matter; those beyond the last bit all may.
+        let mut marks = [0u64; 16];
+        for (j, edge) in b.edges.iter().enumerate().take(64 * marks.len()) {
+            marks[j / 64] |= u64::from(self.may_matter(b, edge, &self.between)) << (j % 64);
+        }
+        let (has_faces_a, has_faces_b) = (!a.faces.is_empty(), !b.faces.is_empty());
+        let rounding = a.rounding + b.rounding;
+        for (i, edge) in a.edges.iter().enumerate() {
+            if !self.may_matter(a, edge, &towards) {
+                continue;
+            }
+            let e = self.r * edge.direction;
+            let u = edge.inward.map(|u| self.r * u);
+            let point = self.r * a.vertex(edge.ends[0]) + self.p;
+            for (j, other) in b.edges.iter().enumerate() {
+                if marks.get(j / 64).is_some_and(|mark| mark >> (j % 64) & 1 == 0) {
+                    continue;
+                }
+                let cross = e.cross(&other.direction);
+                let s = u.map(|u| cross.dot(&u));
+                if has_faces_a && !(s[0] * s[1] > 0.0) {
+                    continue;
+                }
+                let t = other.inward.map(|u| -cross.dot(&u));
+                if has_faces_b && !(t[0] * t[1] > 0.0 && (!has_faces_a || t[0] * s[0] > 0.0)) {
+                    continue;
+                }
+                let norm = cross.norm();
+                let apart = point - b.vertex(other.ends[0]);
+                let is_flat = |s: &[f64; 2]| s[0].abs().min(s[1].abs()) <= TIE * norm;
+                if norm < PARALLEL || has_faces_a && is_flat(&s) || has_faces_b && is_flat(&t) {
+                    continue;
+                }
+                let reference = match (has_faces_a, has_faces_b) {
+                    (true, _) => s[0],
+                    (_, true) => t[0],
+                    _ => cross.dot(&apart),
+                };
+                let n = cross * if reference < 0.0 { -1.0 / norm } else { 1.0 / norm };
+                if !self.is_hopeless(n.dot(&apart) - rounding, TIE) {
+                    let value = self.along(&n);
+                    self.offer(value, Owner::Edges(i as u16, j as u16), TIE);
+                }
+            }
+        }
+    }
+
+    /// Candidate n along `apart`, from a point of B to a point of A, if both bodies are on their
+    /// sides of it. An owner that is a pair of nearest points replaces others unless it is worse.
+    fn offer_points(&mut self, apart: &Vector3<f64>, owner: Owner) {
+        let norm = apart.norm();
+        let value = norm - self.a.rounding - self.b.rounding;
+        if norm < TIE || self.is_hopeless(value, -TIE) {
+            return;
+        }
+        let full = self.along(&(apart / norm));
+        if full >= value - TIE {
+            self.offer(full, owner, -TIE);
+        }
+    }
+
+    fn nearest_points(&mut self) {
+        let (a, b) = (self.a, self.b);
+        for (i, x) in a.vertices.iter().enumerate() {
+            let x = self.r * x + self.p;
+            for (j, edge) in b.edges.iter().enumerate() {
+                let from = x - b.vertex(edge.ends[0]);
+                let t = edge.direction.dot(&from);
+                if t > 0.0 && t < edge.length {
+                    self.offer_points(&(from - edge.direction * t), Owner::VertexOfAEdgeOfB(i as u16, j as u16));
+                }
+            }
+        }
+        for (i, edge) in a.edges.iter().enumerate() {
+            let (e, start) = (self.r * edge.direction, self.r * a.vertex(edge.ends[0]) + self.p);
+            for (j, y) in b.vertices.iter().enumerate() {
+                let s = e.dot(&(y - start));
+                if s > 0.0 && s < edge.length {
+                    self.offer_points(&(start + e * s - y), Owner::EdgeOfAVertexOfB(i as u16, j as u16));
+                }
+            }
+        }
+        for (i, x) in a.vertices.iter().enumerate() {
+            let x = self.r * x + self.p;
+            for (j, y) in b.vertices.iter().enumerate() {
+                self.offer_points(&(x - y), Owner::VertexVertex(i as u16, j as u16));
+            }
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! A continuous function of the configuration that is positive while a topology holds.
+//!
+//! It is the minimum of functions f_k with offsets. Two convex polygons in a plane change the
+//! features of their intersection only when a corner of one crosses the border of the other. So,
+//! for owners that are faces, with the inner distance d(x) of a point from a polygon (least over its
+//! sides, positive inside), the functions are
+//!
+//! ```text
+//! height of x           vertices x of the other body outside its incident face
+//! + d(x) or -d(x)       corners x of the incident face, d of the owner's face
+//! + d(w) or -d(w)       corners w of the owner's face, d of the projected incident face
+//! t and L - t           crossings at t on an edge of the owner with the length L
+//! ```
+//!
+//! The sign is + for corners of the topology. Other owners have n and the core points c_A, c_B:
+//!
+//! ```text
+//! n . (x - c_A)         vertices x of A that are not of the owner's feature
+//! -n . (y - c_B)        vertices y of B that are not of the owner's feature
+//! s, L_A - s            coordinate of c_A on an edge of A, for edge pairs and edge and vertex
+//! t, L_B - t            coordinate of c_B on an edge of B
+//! 0.9 - |n . a|         times a distance: the axis a from which tangents are built (vertex pairs)
+//! ```
+//!
+//! A function that is less than `RESOLUTION` when the topology is made has the offset
+//! `RESOLUTION` - f_k from then on. It starts with the value `RESOLUTION` and reaches zero when it
+//! has become worse by `RESOLUTION`, so that no function fires at once.
+
+use super::kinematics::Pin;
+use super::roles::Roles;
+use super::{ConvexBody, Owner, Placement, Topology};
+
+/// Greatest |n . a| of the axis from which tangents of vertex pairs are built.
+const STEEPEST: f64 = 0.9;
+
+/// Least of the functions, m; infinite without any. Does not allocate. `distance_scale`: m, turns
+/// functions without a unit into distances.
+pub fn validity(
+    topology: &Topology,
+    a: &ConvexBody,
+    pa: &Placement,
+    b: &ConvexBody,
+    pb: &Placement,
+    distance_scale: f64,
+) -> f64 {
+    let mut offsets = topology.offsets.iter();
+    let mut least = f64::INFINITY;
+    visit(topology, a, pa, b, pb, distance_scale, &mut |value| {
+        least = least.min(value + offsets.next().copied().unwrap_or(0.0));
+    });
+    least
+}
+
+/// Calls `f` with each function, m, without offsets, in an order that the topology fixes.
+pub(super) fn visit(
+    topology: &Topology,
+    a: &ConvexBody,
+    pa: &Placement,
+    b: &ConvexBody,
+    pb: &Placement,
+    distance_scale: f64,
+    f: &mut impl FnMut(f64),
+) {
+    if let Some(roles) = Roles::new(topology.owner, a, pa, b, pb) {
+        visit_face(topology, &roles, f);
+        return;
+    }
+    let pin = Pin::new(topology.owner, topology.sign, a, pa, b, pb);
+    let (of_a, of_b) = (pa.rotation.tr_mul(&pin.n), pb.rotation.tr_mul(&pin.n));
+    let base_a = of_a.dot(&pa.rotation.tr_mul(&(pin.core_a - pa.position)));
+    let base_b = pin.n.dot(&(pin.core_a - pb.position)) - pin.distance;
+    let (ends_a, ends_b) = features(topology.owner, a, b);
+    for (k, x) in a.vertices.iter().enumerate() {
+        if !ends_a.contains(&(k as u16)) {
+            f(of_a.dot(x) - base_a);
+        }
+    }
+    for (k, y) in b.vertices.iter().enumerate() {
+        if !ends_b.contains(&(k as u16)) {
+            f(base_b - of_b.dot(y));
+        }
+    }
+    match topology.owner {
+        Owner::Edges(i, _) | Owner::EdgeOfAVertexOfB(i, _) => between(pin.along[0], a.edge(i).length, f),
+        _ => {}
+    }
+    match topology.owner {
+        Owner::Edges(_, j) | Owner::VertexOfAEdgeOfB(_, j) => between(pin.along[1], b.edge(j).length, f),
+        _ => {}
+    }
+    if let Owner::VertexVertex(..) = topology.owner {
+        f((STEEPEST - of_a[topology.axis as usize].abs()) * distance_scale);
+    }
+}
+
+fn between(t: f64, length: f64, f: &mut impl FnMut(f64)) {
+    f(t);
+    f(length - t);
+}
+
+/// Vertices of A and of B that belong to the owner.
+fn features(owner: Owner, a: &ConvexBody, b: &ConvexBody) -> ([u16; 2], [u16; 2]) {
+    match owner {
+        Owner::Edges(i, j) => (a.edge(i).ends, b.edge(j).ends),
+        Owner::VertexVertex(i, j) => ([i; 2], [j; 2]),
+        Owner::VertexOfAEdgeOfB(i, j) => ([i; 2], b.edge(j).ends),
+        Owner::EdgeOfAVertexOfB(i, j) => (a.edge(i).ends, [j; 2]),
+        Owner::FaceOfA(i) | Owner::FaceOfB(i) => ([i; 2], [i; 2]),
+    }
+}
+
+fn visit_face(topology: &Topology, roles: &Roles, f: &mut impl FnMut(f64)) {
+    let (r, p) = roles.relative();
+    let face = roles.owner.face(roles.face);
+    let up = r.tr_mul(&face.normal);
+    let base = face.offset + roles.other.rounding - face.normal.dot(&p);
+    let has_sides = !face.corners.is_empty();
+    let signed = |is_corner: bool, value: f64| if is_corner { value } else { -value };
+    for (k, x) in roles.other.vertices.iter().enumerate() {
+        let k = k as u16;
+        if topology.incident.is_some_and(|face| !roles.other.face(face).corners.contains(&k)) {
+            f(up.dot(x) - base);
+        } else if has_sides {
+            let is_corner = topology.corners.iter().any(|corner| roles.incident_vertex(corner) == Some(k));
+            f(signed(is_corner, roles.inside_owner(&(r * x + p))));
+        }
+    }
+    if let Some(incident) = topology.incident {
+        for &k in &face.corners {
+            let is_corner = topology.corners.iter().any(|corner| roles.owner_vertex(corner) == Some(k));
+            let inside = roles.inside_incident(incident, &r, &p, roles.owner.vertex(k));
+            f(signed(is_corner, inside));
+        }
+    }
+    for (side, edge) in topology.corners.iter().filter_map(|corner| roles.crossing(corner)) {
+        let (side, edge) = (roles.owner.edge(side), roles.other.edge(edge));
+        let q = face.normal.cross(&side.direction);
+        let start = r * roles.other.vertex(edge.ends[0]) + p - roles.owner.vertex(side.ends[0]);
+        let e = r * edge.direction;
+        let t = side.direction.dot(&(start - e * (q.dot(&start) / q.dot(&e))));
+        between(t, side.length, f);
+    }
+}

@@ -1,0 +1,144 @@
+//! `[[object]]`: bodies besides the robot.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::format::floor::Friction;
+use crate::scenario::format::tagged::tagged;
+use crate::text::quantity::{angles, angular_rates, json, positive};
+
+tagged! {
+    /// One body besides the robot.
+    ObjectSpec, "object" {
+        /// A homogeneous box.
+        "box" => Box(BoxObject),
+        /// A homogeneous ball.
+        "sphere" => Sphere(SphereObject),
+        /// A homogeneous cylinder with hemispherical ends.
+        "capsule" => Capsule(CapsuleObject),
+    }
+}
+
+/// Declares a type of object: its own keys, and those that all types have.
+macro_rules! object {
+    ($(#[$doc:meta])* $name:ident { $($fields:tt)* }) => {
+        $(#[$doc])*
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name {
+            /// Name, which no other object has. Left out: `object.N`, N its index from 0.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub name: Option<String>,
+            /// Origin of its frame at the start, world, m.
+            #[serde(default)]
+            pub position: [f64; 3],
+            /// Roll, pitch, yaw at the start as in URDF, rad.
+            #[serde(default, deserialize_with = "angles")]
+            #[schemars(with = "[json::Angle; 3]")]
+            pub rpy: [f64; 3],
+            /// Velocity of the origin at the start, world axes, m/s.
+            #[serde(default)]
+            pub linear_velocity: [f64; 3],
+            /// Angular velocity at the start, world axes, rad/s.
+            #[serde(default, deserialize_with = "angular_rates")]
+            #[schemars(with = "[json::AngularRate; 3]")]
+            pub angular_velocity: [f64; 3],
+            /// Coulomb friction: one number, or static and kinetic. Of two bodies the smaller coefficients
+            /// count. Left out: that of what it touches.
+            #[serde(default, skip_serializing_if = "Option::is_none")]
+            pub friction: Option<Friction>,
+            $($fields)*
+        }
+
+        impl $name {
+            fn entry(&self) -> ObjectEntry<'_> {
+                ObjectEntry {
+                    name: self.name.as_deref(),
+                    position: self.position,
+                    rpy: self.rpy,
+                    linear_velocity: self.linear_velocity,
+                    angular_velocity: self.angular_velocity,
+                    friction: self.friction,
+                }
+            }
+        }
+    };
+}
+
+object! {
+    /// A homogeneous box; its frame is at its centre.
+    BoxObject {
+        /// Edges along its axes x, y, z, m.
+        #[schemars(with = "[json::Positive; 3]")]
+        pub size: [f64; 3],
+        /// Mass, kg.
+        #[serde(deserialize_with = "positive")]
+        #[schemars(with = "json::Positive")]
+        pub mass: f64,
+    }
+}
+
+object! {
+    /// A homogeneous ball; its frame is at its centre.
+    SphereObject {
+        /// Radius, m.
+        #[serde(deserialize_with = "positive")]
+        #[schemars(with = "json::Positive")]
+        pub radius: f64,
+        /// Mass, kg.
+        #[serde(deserialize_with = "positive")]
+        #[schemars(with = "json::Positive")]
+        pub mass: f64,
+    }
+}
+
+object! {
+    /// A homogeneous cylinder with hemispherical ends, along its axis z; its frame is at its centre.
+    CapsuleObject {
+        /// Radius, m.
+        #[serde(deserialize_with = "positive")]
+        #[schemars(with = "json::Positive")]
+        pub radius: f64,
+        /// Length of the cylindrical part, m.
+        #[serde(deserialize_with = "positive")]
+        #[schemars(with = "json::Positive")]
+        pub length: f64,
+        /// Mass, kg.
+        #[serde(deserialize_with = "positive")]
+        #[schemars(with = "json::Positive")]
+        pub mass: f64,
+    }
+}
+
+/// Keys that all types have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObjectEntry<'a> {
+    /// Given name.
+    pub name: Option<&'a str>,
+    /// Position, m.
+    pub position: [f64; 3],
+    /// Roll, pitch, yaw, rad.
+    pub rpy: [f64; 3],
+    /// Velocity of the origin, m/s.
+    pub linear_velocity: [f64; 3],
+    /// Angular velocity, rad/s.
+    pub angular_velocity: [f64; 3],
+    /// Own friction.
+    pub friction: Option<Friction>,
+}
+
+impl ObjectSpec {
+    /// The keys that all types have.
+    pub fn entry(&self) -> ObjectEntry<'_> {
+        match self {
+            ObjectSpec::Box(spec) => spec.entry(),
+            ObjectSpec::Sphere(spec) => spec.entry(),
+            ObjectSpec::Capsule(spec) => spec.entry(),
+        }
+    }
+
+    /// The name of the entry with this index.
+    pub fn name(&self, index: usize) -> String {
+        self.entry().name.map_or_else(|| format!("object.{index}"), str::to_owned)
+    }
+}

@@ -1,0 +1,93 @@
+//! A convex body that may touch others.
+
+use crate::dynamics::Workspace;
+use crate::dynamics::reduced::{BodyId, Mechanisms};
+use crate::patches::{ConvexBody, Placement};
+use crate::terrain::TerrainPiece;
+use nalgebra::{Matrix3, Vector3};
+
+/// Static and kinetic coefficient of friction.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Friction {
+    /// Static coefficient.
+    pub mu_s: f64,
+    /// Kinetic coefficient.
+    pub mu_k: f64,
+}
+
+impl Friction {
+    /// Friction between two bodies: the smaller coefficients. A body without friction of its own takes
+    /// those of the other.
+    pub fn of_pair(a: Option<Friction>, b: Option<Friction>) -> Option<Friction> {
+        match (a, b) {
+            (Some(a), Some(b)) => Some(Friction { mu_s: a.mu_s.min(b.mu_s), mu_k: a.mu_k.min(b.mu_k) }),
+            (a, b) => a.or(b),
+        }
+    }
+}
+
+/// What carries a body.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Host {
+    /// The world: terrain, or the floor. Rotation (world from body) and position, m.
+    World(Matrix3<f64>, Vector3<f64>),
+    /// A link of the robot or of an object, whose internal frame is the body's.
+    Link(BodyId),
+}
+
+/// A convex body.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Name in logs and messages.
+    pub name: String,
+    /// What carries it.
+    pub host: Host,
+    /// Its shape.
+    pub shape: ConvexBody,
+    /// Its friction, if it has its own.
+    pub friction: Option<Friction>,
+}
+
+impl Body {
+    /// A piece of terrain; none if it has no volume.
+    pub fn of_piece(piece: &TerrainPiece) -> Option<Self> {
+        let faces = piece.faces.iter().map(|face| (face.corners.clone(), piece.normal(face))).collect();
+        let mut shape = ConvexBody::from_faces(piece.points.clone(), faces)?;
+        let hidden = piece.faces.iter().enumerate().filter(|(_, face)| !face.touchable);
+        hidden.for_each(|(k, _)| shape.set_touchable(k as u16, false));
+        Some(Body {
+            name: piece.name.to_string(),
+            host: Host::World(Matrix3::identity(), Vector3::zeros()),
+            shape,
+            friction: Some(Friction { mu_s: piece.mu_s, mu_k: piece.mu_k }),
+        })
+    }
+
+    /// The link that carries it, if it moves.
+    pub fn link(&self) -> Option<BodyId> {
+        match self.host {
+            Host::World(..) => None,
+            Host::Link(link) => Some(link),
+        }
+    }
+
+    /// Pose and velocity. Needs the kinematics of its mechanism.
+    pub fn placement(&self, mechanisms: Mechanisms) -> Placement {
+        match self.host {
+            Host::World(rotation, position) => {
+                Placement { rotation, position, velocity: Vector3::zeros(), omega: Vector3::zeros() }
+            }
+            Host::Link(body) => placement(mechanisms.get(body.mechanism), body),
+        }
+    }
+}
+
+fn placement(ws: &Workspace, body: BodyId) -> Placement {
+    let link = &ws.links[body.link.0];
+    Placement {
+        rotation: link.rotation,
+        position: ws.position + link.origin,
+        velocity: link.velocity.at(&link.origin),
+        omega: link.velocity.angular,
+    }
+}

@@ -1,0 +1,255 @@
+//! The patch in which a body touches others along one plane, as a polygon of the contact problem.
+//!
+//! A vertex of the patch is a corner of either body or a crossing of edges. Its geometry, and the terms
+//! of its acceleration that points and normals which move bring, are those of [`crate::patches`]. Where a
+//! body touches several pieces of terrain in one plane, they have one patch, the convex hull of their
+//! polygons: forces on points inside it have the same resultants as forces on its corners. A seam between
+//! two pieces thus changes nothing.
+//!
+//! A static vertex is held at its anchor: the point of each body that was there when it was clamped,
+//!
+//! ```text
+//! e = n gap + t ((x_A + R_A p_A) - (x_B + R_B p_B))
+//! ```
+//!
+//! p_A, p_B are these points in the bodies' frames, and t projects onto the plane. Points of a rounded body
+//! roll and have no anchor.
+
+use super::{Body, Pair};
+use crate::dynamics::reduced::Mechanisms;
+use crate::geometry::{Plane, convex_hull};
+use crate::patches::{self, Corner, CornerMotion, Owner, PatchGeometry, Placement, Topology};
+use nalgebra::{Matrix3, Vector3};
+
+/// Angle, rad, and distance, m, up to which two planes are one.
+const COPLANAR: f64 = 1e-9;
+
+/// Distance, m, up to which corners of several parts are one point: twice the resolution of corners.
+const SAME_POINT: f64 = 2.0 * patches::RESOLUTION;
+
+/// The points of both bodies, in their frames, at a vertex that was clamped, m.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Anchor {
+    a: Vector3<f64>,
+    b: Vector3<f64>,
+}
+
+/// The corners that one pair contributes.
+#[derive(Clone, Debug)]
+pub struct Part {
+    /// The pair.
+    pub pair: Pair,
+    /// Its corners.
+    pub topology: Topology,
+    geometry: PatchGeometry,
+    placements: (Placement, Placement),
+}
+
+impl Part {
+    /// A part at the present kinematics.
+    pub fn new(pair: Pair, topology: Topology, bodies: &[Body], mechanisms: Mechanisms) -> Self {
+        let (a, b) = (&bodies[pair.bodies.0], &bodies[pair.bodies.1]);
+        let placements = (a.placement(mechanisms), b.placement(mechanisms));
+        let mut part = Part { pair, topology, geometry: PatchGeometry::default(), placements };
+        part.update(bodies, mechanisms);
+        part
+    }
+
+    fn update(&mut self, bodies: &[Body], mechanisms: Mechanisms) {
+        let (a, b) = (&bodies[self.pair.bodies.0], &bodies[self.pair.bodies.1]);
+        self.placements = (a.placement(mechanisms), b.placement(mechanisms));
+        let (pa, pb) = &self.placements;
+        patches::geometry(&self.topology, &a.shape, pa, &b.shape, pb, &mut self.geometry);
+        if self.pair.links.1.is_none() && matches!(self.topology.owner, Owner::FaceOfB(_)) {
+            self.geometry.axes = world_axes(&self.geometry.axes.column(2).into());
+        }
+    }
+
+    /// Normal and a point of its plane, if that is a face of the world.
+    pub fn world_plane(&self) -> Option<(Vector3<f64>, Vector3<f64>)> {
+        let point = self.geometry.points.first()?;
+        let n: Vector3<f64> = self.geometry.axes.column(2).into();
+        let is_face = self.pair.links.1.is_none() && matches!(self.topology.owner, Owner::FaceOfB(_));
+        is_face.then(|| (n, point.position - n * point.gap))
+    }
+
+    /// Positions of its corners, world, m.
+    pub fn positions(&self) -> impl Iterator<Item = &Vector3<f64>> {
+        self.geometry.points.iter().map(|point| &point.position)
+    }
+
+    /// Whether both have corners in one plane fixed to the world or to their common body A.
+    fn is_coplanar(&self, other: &Part) -> bool {
+        let fixed = self.pair.links.1.is_none() && other.pair.links.1.is_none();
+        let (n, m) = (self.geometry.axes.column(2), other.geometry.axes.column(2));
+        let (Some(p), Some(q)) = (self.geometry.points.first(), other.geometry.points.first()) else { return false };
+        fixed
+            && self.pair.bodies.0 == other.pair.bodies.0
+            && (n - m).norm() < COPLANAR
+            && n.dot(&(p.position - n * p.gap - q.position + m * q.gap)).abs() < COPLANAR
+    }
+}
+
+/// Axes of a plane of the world with the normal `n`, which depend on nothing else.
+fn world_axes(n: &Vector3<f64>) -> Matrix3<f64> {
+    let along = if n.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+    let t = (along - n * n.dot(&along)).normalize();
+    Matrix3::from_columns(&[t, n.cross(&t), *n])
+}
+
+/// The patch of a body with others in one plane.
+#[derive(Clone, Debug)]
+pub struct PairPatch {
+    /// Name in logs and messages: of both bodies.
+    pub name: String,
+    /// Pairs that touch in the plane.
+    pub parts: Vec<Part>,
+    /// Part and corner of each vertex, counter-clockwise about the normal.
+    vertices: Vec<(usize, usize)>,
+    anchors: Vec<Anchor>,
+    rolls: bool,
+}
+
+impl PairPatch {
+    /// The patches of these parts, in the order of the first of each.
+    pub fn merge(parts: Vec<Part>, bodies: &[Body]) -> Vec<Self> {
+        let mut patches: Vec<PairPatch> = Vec::new();
+        for part in parts {
+            match patches.iter_mut().find(|patch| patch.parts[0].is_coplanar(&part)) {
+                Some(patch) => patch.parts.push(part),
+                None => patches.push(PairPatch::of(part, bodies)),
+            }
+        }
+        patches.iter_mut().for_each(PairPatch::complete);
+        patches
+    }
+
+    fn of(part: Part, bodies: &[Body]) -> Self {
+        let (a, b) = (&bodies[part.pair.bodies.0], &bodies[part.pair.bodies.1]);
+        PairPatch {
+            name: format!("{} on {}", a.name, b.name),
+            rolls: a.shape.rounding > 0.0 || b.shape.rounding > 0.0,
+            parts: vec![part],
+            vertices: Vec::new(),
+            anchors: Vec::new(),
+        }
+    }
+
+    /// Chooses the vertices and anchors them.
+    fn complete(&mut self) {
+        let corners = |(p, part): (usize, &Part)| (0..part.geometry.points.len()).map(move |c| (p, c));
+        self.vertices = self.parts.iter().enumerate().flat_map(corners).collect();
+        if self.parts.len() > 1 {
+            self.drop_equal_points();
+            let plane = Plane { rotation: *self.axes(), point: self.point(0).position };
+            let mut hull: Vec<Vector3<f64>> = (0..self.vertices.len()).map(|i| self.point(i).position).collect();
+            let positions = hull.clone();
+            convex_hull(&mut hull, &plane);
+            let index = |p: &Vector3<f64>| positions.iter().position(|q| p == q).map(|i| self.vertices[i]);
+            self.vertices = hull.iter().filter_map(index).collect();
+        }
+        self.anchors = vec![Anchor::default(); self.vertices.len()];
+        (0..self.len()).for_each(|i| self.anchor(i));
+    }
+
+    /// Keeps one of several corners at one point, of body A if there is one, else of body B.
+    fn drop_equal_points(&mut self) {
+        let rank = |&(p, c): &(usize, usize)| match self.parts[p].topology.corners[c] {
+            Corner::A(_) => 0,
+            Corner::B(_) => 1,
+            Corner::Crossing { .. } => 2,
+        };
+        let mut all = std::mem::take(&mut self.vertices);
+        all.sort_by_key(rank);
+        for vertex in all {
+            let at = |(p, c): (usize, usize)| self.parts[p].geometry.points[c].position;
+            let is_new = |known: &(usize, usize)| (at(*known) - at(vertex)).norm() > SAME_POINT;
+            if self.vertices.iter().all(is_new) {
+                self.vertices.push(vertex);
+            }
+        }
+    }
+
+    /// Number of vertices.
+    pub fn len(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// Whether it has no vertex.
+    pub fn is_empty(&self) -> bool {
+        self.vertices.is_empty()
+    }
+
+    /// World from patch axes; the third column is the normal, from B into A.
+    pub fn axes(&self) -> &Matrix3<f64> {
+        &self.parts[0].geometry.axes
+    }
+
+    /// Position and motion of a vertex.
+    pub fn point(&self, i: usize) -> &CornerMotion {
+        let (part, corner) = self.vertices[i];
+        &self.parts[part].geometry.points[corner]
+    }
+
+    /// Static and kinetic friction of a vertex.
+    pub fn friction(&self, i: usize) -> super::Friction {
+        self.parts[self.vertices[i].0].pair.friction
+    }
+
+    /// Whether vertex `i` of this patch is the same as vertex `k` of a former one.
+    pub fn is_vertex_of(&self, i: usize, former: &PairPatch, k: usize) -> bool {
+        let ((p, c), (q, d)) = (self.vertices[i], former.vertices[k]);
+        let (part, old) = (&self.parts[p], &former.parts[q]);
+        let (corner, before) = (part.topology.corners[c], old.topology.corners[d]);
+        // A corner of A is one in whatever pieces of terrain it touches.
+        corner == before && (matches!(corner, Corner::A(_)) || part.pair.bodies == old.pair.bodies)
+    }
+
+    /// Whether a former patch has a pair of this one.
+    pub fn continues(&self, former: &PairPatch) -> bool {
+        let is_in = |part: &Part| former.parts.iter().any(|old| old.pair.bodies == part.pair.bodies);
+        self.parts.iter().any(is_in)
+    }
+
+    /// Mean of the vertices, world, m: the reference point of its motion.
+    pub fn reference(&self) -> Vector3<f64> {
+        (0..self.len()).map(|i| self.point(i).position).sum::<Vector3<f64>>() / self.len().max(1) as f64
+    }
+
+    /// Greatest distance of a vertex from the reference point, m; 1 if it is none.
+    pub fn radius(&self) -> f64 {
+        let centre = self.reference();
+        let radius = (0..self.len()).map(|i| (self.point(i).position - centre).norm()).fold(0.0, f64::max);
+        if radius > 0.0 { radius } else { 1.0 }
+    }
+
+    /// Updates the geometry to the kinematics.
+    pub fn update(&mut self, bodies: &[Body], mechanisms: Mechanisms) {
+        self.parts.iter_mut().for_each(|part| part.update(bodies, mechanisms));
+    }
+
+    /// Anchors a vertex at its present position.
+    pub fn anchor(&mut self, i: usize) {
+        let position = self.point(i).position;
+        let (a, b) = &self.parts[self.vertices[i].0].placements;
+        let local = |placement: &Placement| placement.rotation.tr_mul(&(position - placement.position));
+        self.anchors[i] = Anchor { a: local(a), b: local(b) };
+    }
+
+    /// Takes over the anchor of vertex `k` of a former patch as that of vertex `i`.
+    pub fn take_anchor(&mut self, i: usize, former: &PairPatch, k: usize) {
+        self.anchors[i] = former.anchors[k];
+    }
+
+    /// Position error of a vertex relative to its anchor, patch axes, m: along the normal its gap.
+    pub fn error(&self, i: usize) -> Vector3<f64> {
+        let gap = self.point(i).gap;
+        if self.rolls {
+            return Vector3::new(0.0, 0.0, gap);
+        }
+        let (pa, pb) = &self.parts[self.vertices[i].0].placements;
+        let Anchor { a, b } = &self.anchors[i];
+        let apart = self.axes().tr_mul(&(pa.point(a) - pb.point(b)));
+        Vector3::new(apart.x, apart.y, gap)
+    }
+}

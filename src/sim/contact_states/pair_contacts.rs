@@ -1,0 +1,287 @@
+//! Pairs of bodies that may touch, and the patches of the present state.
+//!
+//! Both bodies of a pair are convex, so that it touches in one plane. Its corners appear when the distance
+//! is at most that of near points ([`super::link_contacts`]), change when a function of their validity
+//! becomes negative, an event, and disappear when the bodies are apart.
+
+use super::terrain_pairs::TerrainPairs;
+use crate::contact::model::state::{Pattern, SoleState};
+use crate::dynamics::reduced::Mechanisms;
+use crate::patches::{self, Face, Owner, Placement, Separation, Topology};
+use crate::sim::bodies::{Body, Pair, PairPatch, Part};
+use crate::sim::plant::Plant;
+use nalgebra::{UnitQuaternion, Vector3};
+
+/// Corners are kept up to this multiple of the distance at which they appear, so that they do not come and
+/// go.
+const KEPT: f64 = 2.0;
+
+/// Gap up to which corners of a patch with another plane count as near, m.
+const NEAR: f64 = 1e-9;
+
+/// Validity, m, below which corners are computed again: half of that of new ones. Functions that reach zero
+/// together in an event are then all renewed.
+const VALID: f64 = 0.5 * patches::RESOLUTION;
+
+/// A pair that may touch.
+#[derive(Clone, Debug)]
+struct Candidate {
+    pair: Pair,
+    /// Plane that has separated the bodies last.
+    hint: Option<Owner>,
+}
+
+/// What a pair has.
+enum Found {
+    /// No corners.
+    Apart,
+    /// Its present corners.
+    Present,
+    /// Other corners.
+    Changed(Topology),
+}
+
+/// Pairs that may touch.
+pub struct PairContacts {
+    /// Pairs of bodies, then bodies with pieces of terrain.
+    candidates: Vec<Candidate>,
+    /// Number of those without terrain.
+    fixed: usize,
+    terrain: Option<TerrainPairs>,
+    /// Results of the last search, in their order.
+    found: Vec<Found>,
+}
+
+impl PairContacts {
+    /// For these pairs, and terrain if there is any.
+    pub fn new(pairs: Vec<Pair>, terrain: Option<TerrainPairs>) -> Self {
+        let candidates: Vec<Candidate> = pairs.into_iter().map(|pair| Candidate { pair, hint: None }).collect();
+        PairContacts { fixed: candidates.len(), found: Vec::with_capacity(candidates.len()), candidates, terrain }
+    }
+
+    /// Whether no pair can touch.
+    pub fn is_empty(&self) -> bool {
+        self.candidates.is_empty() && self.terrain.is_none()
+    }
+
+    /// Number of functions [`gap`](Self::gap).
+    pub fn number(&self) -> usize {
+        self.candidates.len() + self.terrain.as_ref().map_or(0, TerrainPairs::number)
+    }
+
+    /// Adds pieces of terrain that have come near, and removes distant ones. Needs the plant's kinematics.
+    pub fn update_terrain(&mut self, plant: &mut Plant) {
+        let Some(pairs) = self.terrain.as_mut().and_then(|terrain| terrain.update(plant)) else { return };
+        let before = self.candidates.split_off(self.fixed);
+        let hint = |pair: &Pair| before.iter().find(|old| old.pair.bodies == pair.bodies).and_then(|old| old.hint);
+        self.candidates.extend(pairs.into_iter().map(|pair| Candidate { hint: hint(&pair), pair }));
+    }
+
+    /// Positive while a pair needs no other corners: the distance of one that does not touch, or the
+    /// validity of its corners. Then those of the boxes in which terrain is known.
+    pub fn gap(&self, plant: &Plant, c: usize) -> f64 {
+        let Some(candidate) = self.candidates.get(c) else {
+            let inside = |terrain: &TerrainPairs| terrain.inside(plant, c - self.candidates.len());
+            return self.terrain.as_ref().map_or(f64::INFINITY, inside);
+        };
+        let (a, b) = bodies(plant, &candidate.pair);
+        let mechanisms = plant.objects.mechanisms(&plant.ws);
+        let (pa, pb) = (a.placement(mechanisms), b.placement(mechanisms));
+        match present_part(plant, &candidate.pair) {
+            Some(part) => patches::validity(&part.topology, &a.shape, &pa, &b.shape, &pb, 1.0),
+            None => {
+                let bound = spheres_apart((a, &pa), (b, &pb));
+                if bound > 0.0 {
+                    return bound;
+                }
+                patches::separation(&a.shape, &pa, &b.shape, &pb, candidate.hint, 0.0).distance
+            }
+        }
+    }
+
+    /// The patches of the plant's present state, if they differ from its present ones. Needs its kinematics.
+    /// `step` is the size of a step without located events. Allocates only if they differ.
+    pub fn find(&mut self, plant: &Plant, distance: f64, step: Option<f64>) -> Option<Vec<PairPatch>> {
+        let mechanisms = plant.objects.mechanisms(&plant.ws);
+        self.found.clear();
+        let parts = plant.pair_patches().map(|patch| patch.parts.len()).sum::<usize>();
+        let mut known = 0;
+        let mut changed = false;
+        for candidate in &mut self.candidates {
+            let present = present_part(plant, &candidate.pair);
+            let found = find_corners(candidate, present, plant, mechanisms, distance, step);
+            known += usize::from(present.is_some());
+            changed |= match &found {
+                Found::Apart => present.is_some(),
+                Found::Present => false,
+                Found::Changed(_) => true,
+            };
+            self.found.push(found);
+        }
+        // Patches with distant terrain are no candidates.
+        if !changed && known == parts {
+            return None;
+        }
+        let parts = self.candidates.iter().zip(self.found.drain(..)).filter_map(|(candidate, found)| match found {
+            Found::Apart => None,
+            Found::Present => present_part(plant, &candidate.pair).cloned(),
+            Found::Changed(topology) => Some(Part::new(candidate.pair.clone(), topology, &plant.bodies, mechanisms)),
+        });
+        Some(PairPatch::merge(parts.collect(), &plant.bodies))
+    }
+
+    /// The patches whose states hold only a part of their vertices, with the plane on which these are: it
+    /// changes nothing at the instant, and the motion that follows keeps to it. `None` if no plane changes.
+    pub fn follow_states(&self, plant: &Plant) -> Option<Vec<PairPatch>> {
+        let mechanisms = plant.objects.mechanisms(&plant.ws);
+        let first = plant.polygons.len() - plant.pair_patches().count();
+        let mut changed = false;
+        let mut parts = Vec::new();
+        for (p, patch) in plant.pair_patches().enumerate() {
+            let (state, k) = (plant.states[first + p], patch.len());
+            for part in &patch.parts {
+                let clamped = |corner: &Vector3<f64>| is_clamped(patch, state, corner);
+                let clamped: Vec<bool> = part.positions().map(clamped).collect();
+                let (a, b) = bodies(plant, &part.pair);
+                let (pa, pb) = (a.placement(mechanisms), b.placement(mechanisms));
+                let owner = patches::reowner(&part.topology, &clamped, &a.shape, &pa, &b.shape, &pb);
+                let Some(owner) = owner.filter(|owner| *owner != part.topology.owner) else {
+                    parts.push(part.clone());
+                    continue;
+                };
+                // The side of crossing edges is that of the present normal.
+                let mut topology = part.topology.clone();
+                let near = (0..k).map(|i| patch.point(i).gap).fold(NEAR, f64::max);
+                if patches::topology(&a.shape, &pa, &b.shape, &pb, near, owner, None, &mut topology) {
+                    changed = true;
+                    parts.push(Part::new(part.pair.clone(), topology, &plant.bodies, mechanisms));
+                } else {
+                    parts.push(part.clone());
+                }
+            }
+        }
+        changed.then(|| PairPatch::merge(parts, &plant.bodies))
+    }
+}
+
+/// Whether a corner of a part is where the state clamps its patch: at a vertex, on an edge, or anywhere.
+fn is_clamped(patch: &PairPatch, state: SoleState, corner: &Vector3<f64>) -> bool {
+    let position = |i: u8| patch.point(i as usize % patch.len()).position;
+    match state.pattern {
+        Pattern::Free => false,
+        Pattern::Face => true,
+        Pattern::Vertex(i) => (corner - position(i)).norm() <= NEAR,
+        Pattern::Edge(i) => {
+            let (from, to) = (position(i), position(i + 1));
+            let along = (to - from).normalize();
+            (corner - from).cross(&along).norm() <= NEAR
+        }
+    }
+}
+
+fn bodies<'a>(plant: &'a Plant, pair: &Pair) -> (&'a Body, &'a Body) {
+    (&plant.bodies[pair.bodies.0], &plant.bodies[pair.bodies.1])
+}
+
+/// The present corners of a pair.
+fn present_part<'a>(plant: &'a Plant, pair: &Pair) -> Option<&'a Part> {
+    plant.pair_patches().flat_map(|patch| &patch.parts).find(|part| part.pair.bodies == pair.bodies)
+}
+
+fn find_corners(
+    candidate: &mut Candidate,
+    present: Option<&Part>,
+    plant: &Plant,
+    mechanisms: Mechanisms,
+    distance: f64,
+    step: Option<f64>,
+) -> Found {
+    let (a, b) = bodies(plant, &candidate.pair);
+    let (pa, pb) = (a.placement(mechanisms), b.placement(mechanisms));
+    let way = step.map_or(0.0, |dt| 2.0 * dt * (fastest((a, &pa), (b, &pb)) + plant.gravity.norm() * dt));
+    let near = distance + way;
+    let reach = if present.is_some() { KEPT * near } else { near };
+    if spheres_apart((a, &pa), (b, &pb)) > reach {
+        return Found::Apart;
+    }
+    let hint = present.map_or(candidate.hint, |part| Some(part.topology.owner));
+    let Separation { distance, mut owner } = patches::separation(&a.shape, &pa, &b.shape, &pb, hint, reach);
+    candidate.hint = owner;
+    if distance > reach {
+        return Found::Apart;
+    }
+    // A step without located events needs the corners that hold at its end.
+    let (after_a, after_b) = step.map_or((pa, pb), |dt| (ahead(&pa, dt), ahead(&pb, dt)));
+    if let Some(part) = present
+        && [(&pa, &pb), (&after_a, &after_b)]
+            .into_iter()
+            .all(|(pa, pb)| patches::validity(&part.topology, &a.shape, pa, &b.shape, pb, 1.0) >= VALID)
+    {
+        return Found::Present;
+    }
+    if step.is_some() {
+        owner = patches::separation(&a.shape, &after_a, &b.shape, &after_b, None, f64::INFINITY).owner.or(owner);
+    }
+    // At a seam a wall of the next piece is as near as its upper side.
+    owner = coplanar_face(plant, &candidate.pair, b, &pb).or(owner);
+    let Some(owner) = owner else { return Found::Apart };
+    let mut topology = present.map_or_else(Topology::default, |part| part.topology.clone());
+    let incident = present.filter(|part| part.topology.owner == owner).and_then(|part| part.topology.incident);
+    if !patches::topology(&a.shape, &pa, &b.shape, &pb, reach, owner, incident, &mut topology) {
+        return Found::Apart;
+    }
+    // Even with the same corners: their functions of validity begin anew.
+    Found::Changed(topology)
+}
+
+/// The face of body B that lies in the plane of a present patch of body A with the world, if one does.
+fn coplanar_face(plant: &Plant, pair: &Pair, b: &Body, pb: &Placement) -> Option<Owner> {
+    if pair.links.1.is_some() {
+        return None;
+    }
+    let parts = plant.pair_patches().flat_map(|patch| &patch.parts);
+    let mut planes = parts.filter(|part| part.pair.bodies.0 == pair.bodies.0).filter_map(Part::world_plane);
+    planes.find_map(|(n, p)| {
+        let is_coplanar = |face: &Face| {
+            let m = pb.rotation * face.normal;
+            face.touchable && (m - n).norm() < NEAR && (m.dot(&(p - pb.position)) - face.offset).abs() < NEAR
+        };
+        b.shape.faces.iter().position(is_coplanar).map(|k| Owner::FaceOfB(k as u16))
+    })
+}
+
+/// Distance of the spheres around two bodies, m; to a half space that of the sphere around the other.
+fn spheres_apart((a, pa): (&Body, &Placement), (b, pb): (&Body, &Placement)) -> f64 {
+    let above = |(plane, at): (&Body, &Placement), (body, placement): (&Body, &Placement)| {
+        let height = at.rotation.column(2).dot(&(centre(body, placement) - at.position));
+        if plane.shape.is_half_space() { height - body.shape.radius } else { f64::NEG_INFINITY }
+    };
+    if a.shape.is_half_space() || b.shape.is_half_space() {
+        return above((a, pa), (b, pb)).max(above((b, pb), (a, pa)));
+    }
+    (centre(a, pa) - centre(b, pb)).norm() - a.shape.radius - b.shape.radius
+}
+
+/// The placement after a time `dt`, s, at its present velocity.
+fn ahead(placement: &Placement, dt: f64) -> Placement {
+    let turn = UnitQuaternion::from_scaled_axis(placement.omega * dt).to_rotation_matrix();
+    Placement {
+        rotation: turn.matrix() * placement.rotation,
+        position: placement.position + placement.velocity * dt,
+        ..*placement
+    }
+}
+
+fn centre(body: &Body, placement: &Placement) -> Vector3<f64> {
+    placement.point(&body.shape.centre)
+}
+
+/// Bound of the speed of points of one body relative to the other, m/s.
+fn fastest((a, pa): (&Body, &Placement), (b, pb): (&Body, &Placement)) -> f64 {
+    let own = |body: &Body, placement: &Placement| {
+        let turn = if body.shape.is_half_space() { 0.0 } else { placement.omega.norm() * body.shape.radius };
+        (placement.velocity_at(&centre(body, placement)), turn)
+    };
+    let ((va, ta), (vb, tb)) = (own(a, pa), own(b, pb));
+    (va - vb).norm() + ta + tb
+}

@@ -1,0 +1,146 @@
+//! Contact with terrain: seams that change nothing, borders over which bodies tip, and robots on boxes.
+
+use super::body::G;
+use super::support::{finish, simulation};
+use nalgebra::{UnitQuaternion, Vector3};
+use std::fmt::Write;
+use stiction::sim::{Metrics, NullObserver, Simulation};
+
+const TIGHT: &str = "integrator = { relative_tolerance = 1e-10, absolute_tolerance = 1e-12 }
+    contact = { distance_tolerance = 1e-8, velocity_tolerance = 1e-8, acceleration_tolerance = 1e-8 }
+    log = { rate = 0 }\n";
+
+fn finished(scenario: &str) -> (Simulation, Metrics) {
+    let mut sim = simulation(&format!("{TIGHT}{scenario}"));
+    let metrics = finish(&mut sim, &mut NullObserver);
+    (sim, metrics)
+}
+
+/// A level surface at height 0.2 m: as a plane, one box, two boxes, a height field, a mesh.
+fn surfaces(folder: &std::path::Path) -> [(&'static str, String); 5] {
+    let row = ["0.25"; 12].join(",");
+    std::fs::write(folder.join("flat.csv"), vec![row; 12].join("\n")).unwrap();
+    let mut mesh = String::new();
+    let n = 7;
+    for k in 0..(n + 1) * (n + 1) {
+        let at = |k: usize| -2.0 + 4.0 * k as f64 / n as f64;
+        writeln!(mesh, "v {} {} 0.25", at(k / (n + 1)), at(k % (n + 1))).unwrap();
+    }
+    for k in 0..n * n {
+        let a = k / n * (n + 1) + k % n + 1;
+        let b = a + n + 1;
+        writeln!(mesh, "f {a} {b} {}\nf {a} {} {}", b + 1, b + 1, a + 1).unwrap();
+    }
+    std::fs::write(folder.join("flat.obj"), mesh).unwrap();
+    let path = |name: &str| folder.join(name).display().to_string();
+    [
+        ("plane", "floor = { friction = 0.4, height = 0.25 }\n".into()),
+        (
+            "box",
+            "floor.friction = 0.4\nterrain = [{ type = \"box\", size = [4, 4, 0.25], position = [0, 0, 0.125] }]\n"
+                .into(),
+        ),
+        (
+            "seam",
+            "floor.friction = 0.4\nterrain = [
+                { type = \"box\", size = [2, 4, 0.25], position = [-0.85, 0, 0.125] },
+                { type = \"box\", size = [2, 4, 0.25], position = [1.15, 0, 0.125] },
+            ]\n"
+            .into(),
+        ),
+        (
+            "height field",
+            format!(
+                "floor.friction = 0.4\nterrain = [{{ type = \"heightfield\", file = {:?}, size = [2.03, 2.11] }}]\n",
+                path("flat.csv")
+            ),
+        ),
+        ("mesh", format!("floor.friction = 0.4\nterrain = [{{ type = \"mesh\", file = {:?} }}]\n", path("flat.obj"))),
+    ]
+}
+
+/// A box that slides, turns and stops on each of these surfaces, across seams.
+#[test]
+fn a_box_slides_alike_on_every_level_surface() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut reference: Option<(Vector3<f64>, UnitQuaternion<f64>)> = None;
+    for (name, surface) in surfaces(folder.path()) {
+        let (sim, m) = finished(&format!(
+            "{surface}duration = 1.0
+            robot = {{ model = \"robots/ground/ground.urdf\" }}
+            object = [{{ type = \"box\", size = [0.2, 0.1, 0.1], mass = 2.0, position = [0, 0, 0.3], linear_velocity = [2.0, 0.3, 0], angular_velocity = [0, 0, 1] }}]"
+        ));
+        let state = &sim.plant().objects.list[0].state;
+        let found = (state.position, state.rotation);
+        let (position, rotation) = *reference.get_or_insert(found);
+        // Steps end at other instants: errors of the integrator, and of 1e-9 m at borders.
+        assert!((found.0 - position).norm() < 2e-9, "{name}: {}", (found.0 - position).norm());
+        assert!(found.1.angle_to(&rotation) < 2e-8, "{name}: {}", found.1.angle_to(&rotation));
+        assert!(m.impact_loss_j.abs() < 1e-9 && m.inconsistent == 0 && m.impacts == 0, "{name}: {m:?}");
+        assert!(m.energy_error_j.abs() < 1e-9 && m.max_penetration_m < 2e-9, "{name}: {m:?}");
+    }
+}
+
+/// The soles of a robot on each of them.
+#[test]
+fn a_block_slides_alike_on_every_level_surface() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, surface) in surfaces(folder.path()) {
+        let (_, m) = finished(&format!(
+            "{surface}duration = 1.0
+            robot = {{ model = \"robots/block/block.toml\", base = {{ position = [0, 0, 0.3], linear_velocity = [2, 0.3, 0] }} }}"
+        ));
+        let way = (4.0 + 0.09) / (2.0 * 0.4 * G);
+        assert!((m.final_base_shift_m - way).abs() < 2e-9, "{name}: {}", m.final_base_shift_m - way);
+        assert!(m.impact_loss_j.abs() < 1e-9 && m.inconsistent == 0, "{name}: {m:?}");
+    }
+}
+
+/// Without friction a box moves at constant speed until its centre is over the table's edge, then tips.
+#[test]
+fn a_box_tips_when_its_centre_passes_the_edge_of_a_table() {
+    let (sim, m) = finished(
+        "duration = 0.25
+        floor.friction = 0.0
+        terrain = [{ type = \"box\", size = [1, 1, 0.5], position = [0, 0, 0.25] }]
+        robot = { model = \"robots/ground/ground.urdf\" }
+        object = [{ type = \"box\", size = [0.3, 0.1, 0.1], mass = 2.0, position = [0.3, 0.1, 0.55], linear_velocity = [1, 0, 0] }]",
+    );
+    assert!((m.first_tip_s.unwrap() - 0.2).abs() < 1e-9, "{:?}", m.first_tip_s);
+    let state = &sim.plant().objects.list[0].state;
+    // The frictionless edge is below the centre at first: horizontal velocity remains, and the box turns.
+    assert!(state.v[4] > 0.1 && m.energy_error_j.abs() < 1e-9 && m.inconsistent == 0, "{} {m:?}", state.v[4]);
+}
+
+/// A box on a ramp: it slides with g (sin a - mu cos a), or stands.
+#[test]
+fn a_box_slides_down_a_ramp_or_stands() {
+    let angle = (0.5f64).atan();
+    for (mu, slides) in [(0.3, true), (0.6, false)] {
+        let up = Vector3::new(-angle.sin(), 0.0, angle.cos());
+        let along = Vector3::new(angle.cos(), 0.0, angle.sin());
+        let start = along * 1.5 + up * 0.05;
+        let (sim, m) = finished(&format!(
+            "duration = 0.5
+            floor.friction = {mu}
+            terrain = [{{ type = \"ramp\", size = [2, 1, 1] }}]
+            robot = {{ model = \"robots/ground/ground.urdf\" }}
+            object = [{{ type = \"box\", size = [0.2, 0.1, 0.1], mass = 2.0, position = [{}, 0, {}], rpy = [0, {}, 0] }}]",
+            start.x, start.z, -angle
+        ));
+        let a = if slides { G * (angle.sin() - mu * angle.cos()) } else { 0.0 };
+        let found = sim.plant().objects.list[0].state.position;
+        assert!((found - start + along * (0.125 * a)).norm() < 1e-9, "{mu}: {found}");
+        assert!(m.inconsistent == 0 && m.energy_error_j.abs() < 1e-9, "{mu}: {m:?}");
+    }
+}
+
+#[test]
+fn nothing_touches_an_absent_plane() {
+    let (_, m) = finished(
+        "duration = 1.0
+        floor.plane = false
+        robot = { model = \"robots/block/block.toml\", base = { position = [0, 0, 0.05] } }",
+    );
+    assert!((m.final_base_position[2] - 0.05 + 0.5 * G).abs() < 1e-9, "{:?}", m.final_base_position);
+}
