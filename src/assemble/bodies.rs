@@ -4,7 +4,7 @@ use super::objects::Object;
 use crate::collision::spatial::shape_points;
 use crate::dynamics::reduced::{BodyId, Mechanisms};
 use crate::dynamics::{State, Workspace, kinematics};
-use crate::patches::{ConvexBody, overlap_depth};
+use crate::patches::{ConvexBody, touchable_depth};
 use crate::robot::{LinkId, Model};
 use crate::scenario::{Diagnostic, Run, TouchingParts};
 use crate::sim::Floor;
@@ -105,7 +105,7 @@ pub(super) fn overlap(
     let objects: Vec<Workspace> = objects.iter().map(|o| workspace(&o.setup.model, &o.setup.state)).collect();
     let mechanisms = Mechanisms { robot: &robot, objects: &objects };
     let depth = |a: &Body, b: &Body| {
-        let depth = overlap_depth(&a.shape, &a.placement(mechanisms), &b.shape, &b.placement(mechanisms));
+        let depth = touchable_depth(&a.shape, &a.placement(mechanisms), &b.shape, &b.placement(mechanisms));
         let is_robot = |body: &Body| body.link().is_some_and(|link| link.mechanism == 0);
         let is_sole = run.scenario.robot.contact == TouchingParts::Soles && (is_robot(a) || is_robot(b));
         (depth > if is_sole { SOLE_DEPTH } else { DEPTH }).then_some(depth)

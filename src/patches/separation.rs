@@ -52,6 +52,8 @@ pub struct Separation {
     pub distance: f64,
     /// The best candidate that may own a patch; `None` if it is worse than `distance` by 1e-9 m.
     pub owner: Option<Owner>,
+    /// Greatest support distance over the candidates that may own a patch, m; minus infinity without any.
+    pub touchable: f64,
 }
 
 /// Separation of A and B. The search starts with `hint` and ends early with a candidate whose
@@ -68,17 +70,18 @@ pub fn separation(
     let between = if a.is_half_space() || b.is_half_space() { Vector3::zeros() } else { r * a.centre + p - b.centre };
     let mut search = Search { a, b, r, p, between, distance: f64::NEG_INFINITY, best: f64::NEG_INFINITY, owner: None };
     if a.is_half_space() && b.is_half_space() {
-        return Separation { distance: f64::NEG_INFINITY, owner: None };
+        return Separation { distance: f64::NEG_INFINITY, owner: None, touchable: f64::NEG_INFINITY };
     }
     let spheres = (pa.point(&a.centre) - pb.point(&b.centre)).norm() - a.radius - b.radius;
     if spheres > margin {
-        return Separation { distance: spheres, owner: None };
+        return Separation { distance: spheres, owner: None, touchable: spheres };
     }
     if let Some(owner) = hint.filter(|&owner| search.has(owner)) {
         let n = pb.rotation.tr_mul(&plane_normal(owner, a, pa, b, pb));
         let value = search.along(&n);
         if n != Vector3::zeros() && value > margin {
-            return Separation { distance: value, owner: Some(owner).filter(|&owner| search.is_touchable(owner)) };
+            let owner = Some(owner).filter(|&owner| search.is_touchable(owner));
+            return Separation { distance: value, owner, touchable: value };
         }
     }
     if !a.is_half_space() {
@@ -94,6 +97,13 @@ pub fn separation(
         }
     }
     search.result()
+}
+
+/// Depth of an overlap along candidates that may own a patch, m; zero when apart.
+pub fn touchable_depth(a: &ConvexBody, pa: &Placement, b: &ConvexBody, pb: &Placement) -> f64 {
+    let Separation { distance, touchable, .. } = separation(a, pa, b, pb, None, f64::INFINITY);
+    let depth = if touchable.is_finite() { -touchable } else { -distance };
+    if distance < 0.0 { depth } else { 0.0 }
 }
 
 /// Depth of an overlap, m; zero when apart.
@@ -120,7 +130,8 @@ impl Search<'_> {
         let rounding = self.a.rounding + self.b.rounding;
         // Without candidates the cores share a point.
         let distance = if self.distance == f64::NEG_INFINITY { -rounding } else { self.distance };
-        Separation { distance, owner: self.owner.filter(|_| self.best >= distance - REACH) }
+        let owner = self.owner.filter(|_| self.best >= distance - REACH);
+        Separation { distance, owner, touchable: self.best }
     }
 
     /// s(n); `n` in the frame of B.

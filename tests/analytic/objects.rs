@@ -99,7 +99,7 @@ fn a_box_slides_on_a_box() {
     assert_clean(&m);
 }
 
-/// A block on a free frictionless wedge-like pair: a box falls on a box, both come to rest.
+/// A box falls flat on a box: m g h are lost in one plastic impact.
 #[test]
 fn a_box_lands_on_a_box() {
     let (sim, m) = finished(
@@ -113,4 +113,100 @@ fn a_box_lands_on_a_box() {
     assert!((motion(&sim, 1).0 - Vector3::new(0.03, 0.02, 0.15)).norm() < 1e-9, "{}", motion(&sim, 1).0);
     assert!((m.impact_loss_j - G * 0.1).abs() < 1e-9, "{}", m.impact_loss_j);
     assert_clean(&m);
+}
+
+/// Two boxes on a floor without friction meet in line: momentum, and Newton's restitution e.
+#[test]
+fn a_box_hits_a_box_in_line() {
+    let (m, n, v) = (2.0, 0.5, 0.8);
+    for e in [0.0, 0.5] {
+        let scenario = ALONE.replace("contact = {", &format!("contact = {{ restitution = {e},"));
+        let mut sim = simulation(&format!(
+            "{scenario}duration = 0.4
+            floor = {{ friction = 0.0 }}
+            object = [
+                {{ type = \"box\", size = [0.2, 0.1, 0.1], mass = {m}, position = [0, 0, 0.05], linear_velocity = [{v}, 0, 0] }},
+                {{ type = \"box\", size = [0.2, 0.1, 0.1], mass = {n}, position = [0.4, 0, 0.05] }},
+            ]"
+        ));
+        let metrics = finish(&mut sim, &mut NullObserver);
+        let after = [(m - e * n) / (m + n) * v, m * (1.0 + e) / (m + n) * v];
+        for (o, expected) in after.into_iter().enumerate() {
+            assert!((motion(&sim, o).1 - Vector3::x() * expected).norm() < 1e-9, "{e} {o}: {}", motion(&sim, o).1);
+        }
+        let loss = 0.5 * m * n / (m + n) * v * v * (1.0 - e * e);
+        assert!((metrics.impact_loss_j - loss).abs() < 1e-9, "{} {loss}", metrics.impact_loss_j);
+        assert_clean(&metrics);
+    }
+}
+
+/// A robot whose links touch slides into a box.
+#[test]
+fn a_robot_pushes_a_box() {
+    let v = 0.8;
+    let (sim, metrics) = {
+        let scenario = ALONE.replace("ground/ground.urdf\" }", "block/block.toml\", contact = \"bodies\", base = { position = [0, 0, 0.05], linear_velocity = [0.8, 0, 0] } }");
+        let mut sim = simulation(&format!(
+            "{scenario}duration = 0.5
+            floor = {{ friction = 0.0 }}
+            object = [{{ type = \"box\", size = [0.2, 0.2, 0.1], mass = 3.0, position = [0.4, 0, 0.05] }}]"
+        ));
+        let metrics = finish(&mut sim, &mut NullObserver);
+        (sim, metrics)
+    };
+    let robot = sim.plant().state.v[0];
+    assert!((robot - v / 4.0).abs() < 1e-9 && (motion(&sim, 0).1.x - v / 4.0).abs() < 1e-9, "{robot}");
+    assert!((metrics.impact_loss_j - 0.5 * 0.75 * v * v).abs() < 1e-9, "{}", metrics.impact_loss_j);
+    assert_clean(&metrics);
+}
+
+/// A plank of length l and thickness t leans at the angle a against a wall without friction. It needs
+/// mu >= (l cos a - t sin a) / (2 l sin a) at the floor.
+#[test]
+fn a_plank_against_a_wall_slips_below_the_angle_of_friction() {
+    let (l, t, a) = (1.0, 0.05, 1.0f64);
+    let needed = (l * a.cos() - t * a.sin()) / (2.0 * l * a.sin());
+    // The lower edge is at the origin, the upper one at l (cos a, sin a).
+    let centre = Vector3::new(a.cos(), 0.0, a.sin()) * (0.5 * l) + Vector3::new(-a.sin(), 0.0, a.cos()) * (0.5 * t);
+    for (factor, slips) in [(1.0 + 1e-6, false), (1.0 - 1e-6, true)] {
+        let (sim, m) = finished(&format!(
+            "duration = 0.2
+            floor = {{ friction = {} }}
+            terrain = [{{ type = \"box\", size = [0.2, 2, 2], position = [{}, 0, 1], friction = 0.0 }}]
+            object = [{{ type = \"box\", size = [{l}, 0.3, {t}], mass = 3.0, position = [{}, 0, {}], rpy = [0, {}, 0] }}]",
+            needed * factor,
+            l * a.cos() + 0.1,
+            centre.x,
+            centre.z,
+            -a
+        ));
+        let moved = (motion(&sim, 0).0 - centre).norm();
+        assert_eq!(moved > 1e-9, slips, "{factor}: {moved}");
+        assert!(m.inconsistent == 0 && m.energy_error_j.abs() < 1e-9, "{m:?}");
+    }
+}
+
+/// A plank on two boxes, and a box on the plank off its middle, stand without creeping.
+#[test]
+fn a_bridge_stands() {
+    let (sim, m) = finished(
+        "duration = 5.0
+        floor = { friction = 0.5 }
+        object = [
+            { type = \"box\", size = [0.1, 0.2, 0.2], mass = 1.0, position = [-0.4, 0, 0.1] },
+            { type = \"box\", size = [0.1, 0.2, 0.2], mass = 1.0, position = [0.4, 0, 0.1] },
+            { type = \"box\", size = [1.0, 0.1, 0.05], mass = 2.0, position = [0, 0, 0.225] },
+            { type = \"sphere\", radius = 0.05, mass = 1.0, position = [0.1, 0, 0.3] },
+        ]",
+    );
+    assert!(m.final_object_shift_m.unwrap() < 1e-12, "{:?}", m.final_object_shift_m);
+    assert!(m.max_static_creep_m < 1e-12);
+    assert_clean(&m);
+    // The floor carries all.
+    let plant = sim.plant();
+    let floor: f64 = (0..plant.polygons.len())
+        .filter(|&s| plant.polygons[s].name().ends_with("on floor"))
+        .map(|s| plant.solution.wrench[6 * s + 2])
+        .sum();
+    assert!((floor - 5.0 * G).abs() < 1e-9, "{floor}");
 }

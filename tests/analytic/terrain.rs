@@ -1,7 +1,7 @@
 //! Contact with terrain: seams that change nothing, borders over which bodies tip, and robots on boxes.
 
 use super::body::G;
-use super::support::{finish, simulation};
+use super::support::{finish, root, simulation};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::fmt::Write;
 use stiction::sim::{Metrics, NullObserver, Simulation};
@@ -143,4 +143,19 @@ fn nothing_touches_an_absent_plane() {
         robot = { model = \"robots/block/block.toml\", base = { position = [0, 0, 0.05] } }",
     );
     assert!((m.final_base_position[2] - 0.05 + 0.5 * G).abs() < 1e-9, "{:?}", m.final_base_position);
+}
+
+/// A robot inside the prisms of a height field, whose walls cannot be touched.
+#[test]
+fn starts_inside_terrain_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let [_, _, _, (_, field), _] = surfaces(folder.path());
+    let text = format!(
+        "{field}robot = {{ model = \"robots/block/block.toml\", base = {{ position = [0.013, 0.02, 0.29] }} }}"
+    );
+    let file = stiction::scenario::parse(&root().join("test.toml"), text).unwrap();
+    let run = file.expand(&[]).unwrap().remove(0);
+    let robot = stiction::robot::load(&run.resolve(&run.scenario.robot.model)).unwrap();
+    let error = stiction::assemble::setup(&run, &robot).err().unwrap().to_string();
+    assert!(error.contains("`bottom` and `terrain.0` overlap by 0.0100 m at the start"), "{error}");
 }

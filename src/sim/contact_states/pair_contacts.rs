@@ -205,7 +205,7 @@ fn find_corners(
         return Found::Apart;
     }
     let hint = present.map_or(candidate.hint, |part| Some(part.topology.owner));
-    let Separation { distance, mut owner } = patches::separation(&a.shape, &pa, &b.shape, &pb, hint, reach);
+    let Separation { distance, mut owner, .. } = patches::separation(&a.shape, &pa, &b.shape, &pb, hint, reach);
     candidate.hint = owner;
     if distance > reach {
         return Found::Apart;
