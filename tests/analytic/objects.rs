@@ -89,7 +89,7 @@ fn a_box_slides_on_a_box() {
         "duration = 1.0
         floor = {{ friction = 0.5 }}
         object = [
-            {{ type = \"box\", size = [1.0, 0.4, 0.1], mass = 2.0, position = [0, 0, 0.05] }},
+            {{ type = \"box\", size = [1.0, 0.4, 0.1], mass = 2.0, position = [0, 0, 0.05], friction = 0.4 }},
             {{ type = \"box\", size = [0.2, 0.1, 0.1], mass = 1.0, position = [-0.1, 0, 0.15], linear_velocity = [{v0}, 0, 0], friction = {mu} }},
         ]"
     ));

@@ -112,6 +112,39 @@ fn a_box_tips_when_its_centre_passes_the_edge_of_a_table() {
     assert!(state.v[4] > 0.1 && m.energy_error_j.abs() < 1e-9 && m.inconsistent == 0, "{} {m:?}", state.v[4]);
 }
 
+/// The same of a short box: its corners leave the table, an event, shortly before its centre does.
+#[test]
+fn a_short_box_tips_when_its_centre_passes_the_edge_of_a_table() {
+    let (_, m) = finished(
+        "duration = 0.13
+        floor.friction = 0.0
+        terrain = [{ type = \"box\", size = [1, 1, 0.5], position = [0, 0, 0.25] }]
+        robot = { model = \"robots/ground/ground.urdf\" }
+        object = [{ type = \"box\", size = [0.06, 0.06, 0.06], mass = 2.0, position = [0.39, 0.1, 0.53], linear_velocity = [1, 0, 0] }]",
+    );
+    // Corners are the same within 1e-9 m.
+    assert!((m.first_tip_s.unwrap() - 0.11).abs() < 2e-9, "{:?}", m.first_tip_s);
+}
+
+/// A humanoid that is pushed moves alike on a plane and on a box.
+#[test]
+fn a_humanoid_moves_alike_on_a_plane_and_on_a_box() {
+    let end = |surface: &str| {
+        let (_, m) = finished(&format!(
+            "{surface}duration = 0.6
+            robot = {{ model = \"robots/hoap2/hoap2.toml\", base = {{ position = [0, 0, 0.534] }} }}
+            force = [{{ type = \"push\", link = \"torso\", force = [15, 5, 0], start = 0.2, duration = 0.1 }}]"
+        ));
+        assert!(m.inconsistent == 0 && m.energy_error_j.abs() < 1e-8 && m.max_penetration_m < 1e-9, "{surface} {m:?}");
+        (Vector3::from(m.final_base_position), m.first_tip_s)
+    };
+    let plane = end("floor.height = 0.25\n");
+    let box_ = end("terrain = [{ type = \"box\", size = [1, 1, 0.25], position = [0, 0, 0.125] }]\n");
+    // Integration errors of different steps, which unstable rocking multiplies.
+    assert!((plane.0 - box_.0).norm() < 1e-8, "{:?} {:?}", plane, box_);
+    assert!((plane.1.unwrap_or(0.0) - box_.1.unwrap_or(0.0)).abs() < 1e-8, "{:?} {:?}", plane, box_);
+}
+
 /// A box on a ramp: it slides with g (sin a - mu cos a), or stands.
 #[test]
 fn a_box_slides_down_a_ramp_or_stands() {
