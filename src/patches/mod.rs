@@ -37,7 +37,7 @@ pub use body::{ConvexBody, Edge, Face};
 pub use clipping::topology;
 pub use kinematics::geometry;
 pub use reowner::reowner;
-pub use separation::{Separation, overlap_depth, separation, touchable_depth};
+pub use separation::{Separation, separation, touchable_depth};
 pub use validity::validity;
 
 use nalgebra::{Matrix3, Vector3};

@@ -106,11 +106,6 @@ pub fn touchable_depth(a: &ConvexBody, pa: &Placement, b: &ConvexBody, pb: &Plac
     if distance < 0.0 { depth } else { 0.0 }
 }
 
-/// Depth of an overlap, m; zero when apart.
-pub fn overlap_depth(a: &ConvexBody, pa: &Placement, b: &ConvexBody, pb: &Placement) -> f64 {
-    (-separation(a, pa, b, pb, None, f64::INFINITY).distance).max(0.0)
-}
-
 struct Search<'a> {
     a: &'a ConvexBody,
     b: &'a ConvexBody,

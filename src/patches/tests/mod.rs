@@ -4,7 +4,6 @@ mod events;
 mod oracle;
 mod rates;
 mod shapes;
-mod timing;
 
 use super::*;
 use nalgebra::Rotation3;

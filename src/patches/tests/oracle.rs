@@ -50,7 +50,7 @@ fn polyhedra_have_the_separation_of_their_minkowski_difference() {
         assert_eq!(hinted, found);
         let hinted = separation(&pair.a, &pair.pa, &pair.b, &pair.pb, found.owner, 0.0);
         assert!((hinted.distance > 0.0) == (expected > 0.0));
-        let depth = overlap_depth(&pair.a, &pair.pa, &pair.b, &pair.pb);
+        let depth = touchable_depth(&pair.a, &pair.pa, &pair.b, &pair.pb);
         assert!((depth - (-found.distance).max(0.0)).abs() < 1e-15);
     }
     assert!((20..100).contains(&apart) && edges > 20, "{apart} {edges}");

@@ -8,14 +8,14 @@
 //! problem, wrenches, accelerations. Every candidate state is judged with W and a0 only
 //! (`docs/contact.md`, section 2).
 
-use super::energy_flows::EnergyFlows;
 use super::implicit_dampers::ImplicitDampers;
 use super::objects::{ObjectSetup, Objects};
+use super::pair_vertices::set_vertices;
 use super::polygon::Polygon;
 use super::sole_impulses::SoleImpulses;
 use super::state_layout::StateLayout;
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, StoredEnergy};
-use crate::contact::model::problem::{Level, Problem, SoleProblem};
+use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::residual::{self, Residual};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, States};
@@ -154,7 +154,7 @@ pub struct Plant {
     pub(super) prescribed_acceleration: Vec<f64>,
     pub(super) scratch: Vec<f64>,
     /// Change of all velocities by impulses.
-    jump: Vec<f64>,
+    pub(super) jump: Vec<f64>,
     /// Evaluations so far.
     pub evaluations: u64,
     /// Why the last evaluation failed: M could not be factorised and the accelerations are not a
@@ -381,7 +381,7 @@ impl Plant {
         for (s, sole) in p.soles.iter_mut().enumerate() {
             sole.target = Vector3::zeros();
             if let Polygon::Pair(patch) = &self.polygons[s] {
-                set_pair_vertices(patch, &self.reduced, s, self.rest, sole);
+                set_vertices(patch, &self.reduced, s, self.rest, sole);
                 continue;
             }
             sole.position = self.floor.to_floor(&(self.reduced.reference[s] - self.floor.point));
@@ -457,82 +457,9 @@ impl Plant {
         }
     }
 
-    /// Kinetic energy of the states' velocities at the configurations of the last evaluation, J.
-    pub fn kinetic_energy(&mut self) -> f64 {
-        self.ws.mass.multiply(&self.state.v, &mut self.scratch);
-        let robot = 0.5 * self.scratch.iter().zip(&self.state.v).map(|(p, v)| p * v).sum::<f64>();
-        robot + self.objects.kinetic_energy()
-    }
-
-    /// Adds the velocity changes that impulses on the contacts (6F) cause.
-    pub fn add_impulses(&mut self, impulses: &[f64]) {
-        let mut jump = std::mem::take(&mut self.jump);
-        jump.fill(0.0);
-        reduced::apply(self.objects.mechanisms(&self.ws), &mut self.reduced, impulses, &mut jump);
-        self.add_velocity(&jump);
-        self.jump = jump;
-    }
-
-    /// Adds changes of the velocities of all mechanisms.
-    pub fn add_velocity(&mut self, dv: &[f64]) {
-        self.state.v.iter_mut().zip(dv).for_each(|(v, dv)| *v += dv);
-        self.objects.add_velocity(dv);
-    }
-
-    /// Moves all configurations by displacements of all mechanisms.
-    pub fn displace(&mut self, d: &[f64]) {
-        self.state.displace(&d[..self.state.v.len()]);
-        self.objects.displace(d);
-    }
-
-    /// Velocities of all mechanisms.
-    pub fn velocities(&self) -> Vec<f64> {
-        let mut v = vec![0.0; self.acceleration.len()];
-        self.write_velocities_times(1.0, &mut v);
-        v
-    }
-
-    /// Sets the velocities of all mechanisms.
-    pub fn set_velocities(&mut self, v: &[f64]) {
-        let nv = self.state.v.len();
-        self.state.v.copy_from_slice(&v[..nv]);
-        for object in &mut self.objects.list {
-            object.state.v.copy_from_slice(&v[object.velocities.clone()]);
-        }
-    }
-
-    /// Velocities of all mechanisms times `dt`.
-    pub fn write_velocities_times(&self, dt: f64, out: &mut [f64]) {
-        let objects = self.objects.list.iter().flat_map(|object| &object.state.v);
-        self.state.v.iter().chain(objects).zip(out).for_each(|(v, d)| *d = v * dt);
-    }
-
-    /// Writes the states and the energy flows into the integrator's vector.
-    pub fn pack(&self, flows: &EnergyFlows, y: &mut [f64]) {
-        self.layout.pack(0, &self.state, y);
-        self.objects.list.iter().enumerate().for_each(|(o, object)| self.layout.pack(1 + o, &object.state, y));
-        self.layout.pack_flows(flows, y);
-    }
-
     /// Reference point of a sole relative to the floor point, floor axes, m.
     pub fn sole_origin(&self, s: usize) -> Vector3<f64> {
         self.floor.to_floor(&(self.reduced.reference[s] - self.floor.point))
-    }
-}
-
-/// Sets the vertices of the patch of a pair.
-fn set_pair_vertices(patch: &PairPatch, reduced: &reduced::Reduced, s: usize, rest: f64, sole: &mut SoleProblem) {
-    let (axes, reference) = (&reduced.axes[s], &reduced.reference[s]);
-    sole.position = axes.tr_mul(reference);
-    let m = &reduced.velocity[6 * s..6 * s + 6];
-    let (linear, omega) = (Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
-    for (i, v) in sole.vertices.iter_mut().enumerate() {
-        let point = patch.point(i);
-        v.r = axes.tr_mul(&(point.position - reference));
-        (v.height, v.velocity) = (point.gap, linear + omega.cross(&v.r));
-        v.bias = axes.tr_mul(&point.bias);
-        v.moving = v.velocity.xy().norm_squared() > rest * rest;
-        v.near = false;
     }
 }
 
