@@ -175,3 +175,25 @@ fn the_hull_of_a_block_with_a_sole_is_its_upper_face() {
     assert_eq!((hulls.len(), hulls[0].points.len(), hulls[0].faces.len()), (1, 4, 1));
     assert!(hulls[0].points.iter().all(|p| p.z == 0.05));
 }
+
+/// A fall of `robot` from this height, orientation and velocities.
+fn fall(robot: &str, base: [f64; 6], duration: f64) -> Metrics {
+    let [height, roll, pitch, yaw, velocity, spin] = base;
+    run(&format!(
+        "duration = {duration}
+        robot = {{ model = \"robots/{robot}/{robot}.toml\", contact = \"bodies\", base = {{ position = [0, 0, {height}], rpy = [{roll}, {pitch}, {yaw}], linear_velocity = [{velocity}, 0, 0], angular_velocity = [0, {spin}, 0] }} }}
+        log.rate = 0\n"
+    ))
+}
+
+/// CB-i rattles on several links in sliding modes of a few milliseconds. A vertex that begins to slip in one
+/// has kinetic friction: no load leaves its cone.
+#[test]
+fn vertices_that_slip_in_a_sliding_mode_have_kinetic_friction() {
+    let base =
+        [1.8, -2.2771692187797314, 0.5642488351353792, -3.004770612635925, -0.052738617915921715, -0.5058133944894756];
+    let m = fall("cbi", base, 1.25);
+    assert!(m.sliding_mode_s > 1e-4, "{}", m.sliding_mode_s);
+    // Rounding of forces of up to 1e5 N in steps of a microsecond.
+    assert!(m.max_cone_excess < 1e-9 && m.max_tension_n < 1e-9 && m.inconsistent == 0, "{m:?}");
+}

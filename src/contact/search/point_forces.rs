@@ -226,8 +226,6 @@ impl PointForces {
             self.iterations += 1;
             if self.residual < ACCURATE {
                 self.is_done = !self.let_slip(p);
-                (self.is_visiting, self.iterations) = (false, 0);
-                self.acceleration.restart();
             } else if self.is_visiting {
                 self.is_done |= self.iterations == VISITS;
             } else if self.iterations == ITERATIONS {
@@ -237,8 +235,9 @@ impl PointForces {
         }
     }
 
-    /// What slips does so with mu_k. Returns whether a coefficient has changed.
-    fn let_slip(&mut self, p: &Problem) -> bool {
+    /// What slips does so with mu_k. Returns whether a coefficient has changed; the iterations then begin
+    /// again.
+    pub fn let_slip(&mut self, p: &Problem) -> bool {
         let drive = self.drive();
         let mut changed = false;
         for point in self.points.iter_mut().filter(|point| point.direction.is_none()) {
@@ -248,6 +247,11 @@ impl PointForces {
                 changed = true;
             }
         }
+        if changed {
+            (self.is_visiting, self.iterations, self.is_done) = (false, 0, false);
+            self.residual = f64::INFINITY;
+        }
+        self.acceleration.restart();
         changed
     }
 

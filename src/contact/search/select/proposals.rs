@@ -51,14 +51,20 @@ impl Selector {
         let near = |s: usize, i: usize| p.soles[s].vertices[i].near;
         self.points.begin(p, near, Some((out, p.step)));
         let mut iterations = 0;
-        while !self.points.is_done() && self.points.residual() > if iterations < MANY { TAKEN } else { TAKEN_LATE } {
-            self.points.advance(p, BETWEEN_READINGS);
-            iterations += BETWEEN_READINGS;
+        loop {
+            while !self.points.is_done() && self.points.residual() > if iterations < MANY { TAKEN } else { TAKEN_LATE }
+            {
+                self.points.advance(p, BETWEEN_READINGS);
+                iterations += BETWEEN_READINGS;
+            }
+            if self.points.residual() > TAKEN_LAST && self.points.solve(p, near) > TAKEN_LAST {
+                return None;
+            }
+            // Each round gives vertices their kinetic friction for good.
+            if !self.points.let_slip(p) {
+                return Some(self.take_points(p, out, SLIPS));
+            }
         }
-        if self.points.residual() > TAKEN_LAST && self.points.solve(p, near) > TAKEN_LAST {
-            return None;
-        }
-        Some(self.take_points(p, out, SLIPS))
     }
 
     /// Leaves the forces of the last point solution in `out`. Returns the states that it indicates.
