@@ -197,3 +197,16 @@ fn vertices_that_slip_in_a_sliding_mode_have_kinetic_friction() {
     // Rounding of forces of up to 1e5 N in steps of a microsecond.
     assert!(m.max_cone_excess < 1e-9 && m.max_tension_n < 1e-9 && m.inconsistent == 0, "{m:?}");
 }
+
+/// HOAP-2 rests on three edges, which share its weight in a way that statics leaves open. The split of least
+/// norm is outside a friction cone, another is not: the robot rests, and does not stay in a sliding mode.
+#[test]
+fn a_split_of_an_indeterminate_load_inside_all_friction_cones_holds() {
+    let base =
+        [1.0, -1.267026788724912, 0.7058867422892279, -2.7394275229357787, -0.6825288651699101, -1.3679945856187865];
+    let m = fall("hoap2", base, 2.5);
+    assert!(m.sliding_mode_s < 0.1, "{}", m.sliding_mode_s);
+    assert!(m.max_cone_excess < 1e-9 && m.max_tension_n < 1e-9 && m.inconsistent == 0, "{m:?}");
+    // Velocities that the servos damp for the rest of 2.5 s.
+    assert!(m.final_base_velocity.iter().all(|v| v.abs() < 1e-5), "{:?}", m.final_base_velocity);
+}

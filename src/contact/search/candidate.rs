@@ -17,9 +17,9 @@
 //!
 //! All soles are solved together. Friction makes the sliding systems unsymmetric, and they are
 //! solved so: without friction in the normal equations a sliding block would hop. Without sliding
-//! soles R = B^T and the system is symmetric. Redundant rows
-//! (two feet of one body, straight legs) give the solution of least norm
-//! ([`crate::linalg::linear`]). A sliding face follows the pressure rule of
+//! soles R = B^T and the system is symmetric. Redundant rows (two feet of one body, straight legs)
+//! give the solution of least norm ([`crate::linalg::linear`]), or the one nearest to a split of the
+//! loads ([`super::load_split`]). A sliding face follows the pressure rule of
 //! [`crate::contact::model::pressure`]: `N_i = max(0, A_i . y)`. Its unknowns are y; the set of
 //! loaded vertices is iterated.
 
@@ -27,6 +27,7 @@ use crate::contact::model::pressure;
 use crate::contact::model::problem::{Problem, SoleProblem};
 use crate::contact::model::solution::{Solution, wrench_at};
 use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
+use crate::contact::search::load_split::LoadSplit;
 use crate::linalg::linear::Linear;
 use nalgebra::{Vector2, Vector3};
 
@@ -95,6 +96,8 @@ pub struct CandidateSolver {
     loaded: [u64; MAX_SOLES],
     /// Whether all sets of loaded vertices are tried where their iteration fails.
     pub(super) thorough: bool,
+    /// Split of loads that several static soles share.
+    pub(super) split: LoadSplit,
 }
 
 fn dot(a: &[f64], b: &Six) -> f64 {
@@ -131,6 +134,7 @@ impl CandidateSolver {
             first: [0; MAX_SOLES],
             loaded: [u64::MAX; MAX_SOLES],
             thorough: true,
+            split: LoadSplit::new(p),
         }
     }
 
@@ -197,6 +201,13 @@ impl CandidateSolver {
         for (x, (s, row, target)) in self.x.iter_mut().zip(&self.rows) {
             *x = target - row.dot(&p.b[6 * s..]);
         }
+        let is_split = self.split.is_of(states);
+        if is_split {
+            self.split.update(p);
+            for (x, (s, row, _)) in self.x.iter_mut().zip(&self.rows) {
+                *x -= row.dot(&self.split.loads().1[6 * s..]);
+            }
+        }
         let symmetric = (0..p.soles.len()).all(|s| !states[s].is_dynamic());
         let (a, x) = (&mut self.a[..n * n], &mut self.x[..n]);
         for (c, wb) in self.wb.chunks_exact(dim).take(n).enumerate() {
@@ -217,6 +228,11 @@ impl CandidateSolver {
         self.size = n;
         out.wrench.fill(0.0);
         out.motion.copy_from_slice(&p.b);
+        if is_split {
+            let (wrench, motion) = self.split.loads();
+            out.wrench.copy_from_slice(wrench);
+            out.motion.iter_mut().zip(motion).for_each(|(m, x)| *m += x);
+        }
         for (c, (s, b)) in self.columns.iter().enumerate() {
             let x = self.x[c];
             b.add_to(x, &mut out.wrench[6 * s..6 * s + 6]);

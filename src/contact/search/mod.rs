@@ -1,6 +1,7 @@
 //! Search for a valid contact state.
 //!
-//! [`candidate`] solves the problem for one state of all soles. [`sliding_directions`] finds the
+//! [`candidate`] solves the problem for one state of all soles, [`load_split`] chooses among the
+//! solutions of an indeterminate one. [`sliding_directions`] finds the
 //! directions of friction where no velocity gives them, [`regularized_modes`] which vertices stick
 //! and which slip. [`point_forces`] solves the problem with every vertex as a point.
 //! [`judge`] measures violations and margins, [`moves`] suggests neighbours, [`neighbour_screen`]
@@ -11,6 +12,7 @@
 
 pub mod candidate;
 pub mod judge;
+pub mod load_split;
 pub mod moves;
 pub mod neighbour_screen;
 pub mod point_forces;

@@ -4,6 +4,8 @@ use super::{Selector, Task};
 use crate::contact::model::problem::{Level, Problem, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{MAX_SOLES, States};
+use crate::contact::search::judge::Assessment;
+use crate::contact::search::load_split::LoadSplit;
 use crate::contact::search::point_forces::{LEAST_SLIPS, SLIPS};
 use crate::contact::search::sliding_directions;
 use nalgebra::{Vector2, Vector3};
@@ -169,6 +171,12 @@ impl Selector {
             }
         }
         for i in (0..readings.len()).filter(new) {
+            self.push_split(task, &states[i]);
+            if self.is_found() {
+                return;
+            }
+        }
+        for i in (0..readings.len()).filter(new) {
             // What is at its limit slips; as far as the solution is inaccurate, what moves clearly.
             for slips in [0.0, self.carries()] {
                 self.push_parts(task, &states[i], slips);
@@ -211,6 +219,24 @@ impl Selector {
                 self.push(task, states);
             }
             self.guess = None;
+        }
+    }
+
+    /// Tests states of which static soles failed again, with the split of their loads that the solved contact
+    /// problem has.
+    fn push_split(&mut self, task: &mut Task, states: &States) {
+        let Some(entry) = self.queue.iter().find(|e| e.states == *states) else { return };
+        let Assessment { faults, levels, .. } = entry.assessment;
+        let fails = |s: usize| states[s].is_static() && (faults[s].pulling || faults[s].friction);
+        let p = &*task.p;
+        if levels[0] > 0.0 || !LoadSplit::may_apply(p, states) || !(0..p.soles.len()).any(fails) {
+            return;
+        }
+        self.solver.split.set(p, states, self.points.forces());
+        self.forget(states);
+        self.push_solution(task, states, true);
+        if !self.is_found() {
+            self.solver.split.clear();
         }
     }
 
