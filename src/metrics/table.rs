@@ -218,7 +218,8 @@ metrics! {
     final_base_sideways_m("final_base_sideways_m"): OptionalReal, "m", Robot,
         "Its distance from the straight line of its initial velocity; empty without one.";
     final_normal_force_n("final_normal_force_N"): OptionalReal, "N", Simulation,
-        "Sum of the floor's normal forces at the end; empty without soles or when the end was not reached.";
+        "Sum of the forces of floor and terrain on robot and objects along the floor's normal at the end; empty \
+        without soles or when the end was not reached.";
     final_cop_offset_m("final_cop_offset_m"): OptionalReal, "m", Simulation,
         "Distance of the centre of pressure from the point of the floor below the centre of mass, along gravity: 0 \
         where only weight and floor act on a body at rest; empty in flight.";

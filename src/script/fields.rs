@@ -4,6 +4,7 @@
 
 use crate::dynamics::{State, Workspace, body, jacobian};
 use crate::robot::{LinkId, Model};
+use crate::task::augmented::contact_points;
 use crate::task::{AugmentedData, Command, Needs, SensorReadings};
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
@@ -183,7 +184,7 @@ pub fn sensor_fields(model: &Model) -> Vec<Field> {
 /// Fields of the parts that a task has requested.
 pub fn task_fields(model: &Model, needs: Needs) -> Vec<Field> {
     let (nv, nj) = (model.nv(), model.nj());
-    let vertices: usize = model.soles.iter().map(|s| s.vertices.len()).sum();
+    let points = contact_points(model);
     let mut fields = Vec::new();
     let mut add = |part: Needs, more: Vec<Field>| {
         if needs.contains(part) {
@@ -216,13 +217,13 @@ pub fn task_fields(model: &Model, needs: Needs) -> Vec<Field> {
     for e in 0..model.end_effectors.len() {
         add(Needs::END_EFFECTORS, end_effector_fields(model, e));
     }
-    let contacts = task_field(["contacts"], Shape::Rows(vertices, 6), |t, out| {
+    let contacts = task_field(["contacts"], Shape::Rows(points, 6), |t, out| {
         let rows = t.data.contacts.iter().map(|c| [c.position, c.force].into_iter().flat_map(|v| [v.x, v.y, v.z]));
         write_counted(6, rows, out);
     });
     add(Needs::CONTACTS, vec![contacts]);
     add(Needs::ZMP, vec![optional_point("zmp", |d| &d.zmp)]);
-    let polygon = task_field(["support_polygon"], Shape::Rows(vertices, 3), |t, out| {
+    let polygon = task_field(["support_polygon"], Shape::Rows(points, 3), |t, out| {
         write_counted(3, t.data.support_polygon.iter().map(|p| [p.x, p.y, p.z]), out);
     });
     add(Needs::SUPPORT, vec![polygon]);

@@ -228,7 +228,7 @@ impl RemoteRun {
             sole.positions.copy_from_slice(&measured.vertices);
             sole.forces.copy_from_slice(&measured.vertex_forces);
             for contact in data.contacts.iter().filter(|contact| contact.sole == s) {
-                sole.clamped[contact.vertex] = true;
+                contact.vertex.into_iter().for_each(|vertex| sole.clamped[vertex] = true);
             }
             for (i, velocity) in sole.velocities.iter_mut().enumerate() {
                 *velocity = Vector3::zeros();

@@ -25,12 +25,21 @@ pub struct SensorReadings {
     /// Specific force at the IMU's origin in its own axes, m/s^2: acceleration less gravity, at
     /// rest 9.81 upwards.
     pub specific_force: Vector3<f64>,
-    /// Load of the floor on each sole, in the model's order; updated only in ticks at which a task
-    /// needs [`super::Needs::LOADS`]. Zero at the first tick, when no forces are known yet.
+    /// Load on each sole, in the model's order; updated only in ticks at which a task needs
+    /// [`super::Needs::LOADS`]. Zero at the first tick, when no forces are known yet.
     pub soles: Vec<SoleLoad>,
 }
 
-/// Force and moment of the floor on one sole.
+/// A point of a sole that touches, besides its vertices: a border of terrain or an object crosses the sole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SoleCorner {
+    /// Position, world, m.
+    pub position: Vector3<f64>,
+    /// Force on the sole, world axes, N.
+    pub force: Vector3<f64>,
+}
+
+/// Force and moment on one sole, of the floor, terrain and objects that touch its link.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SoleLoad {
     /// Force, world axes, N.
@@ -40,20 +49,29 @@ pub struct SoleLoad {
     pub mean_force: Vector3<f64>,
     /// Moment about the centroid of the sole's vertices, world axes, N m.
     pub moment: Vector3<f64>,
-    /// Whether `vertices` and `clamped` are known. A force sensor measures only force and moment.
+    /// Whether `vertices`, `clamped` and `corners` are known. A force sensor measures only force and moment.
     pub resolved: bool,
     /// Force on each vertex, world axes, N.
     pub vertices: Vec<Vector3<f64>>,
-    /// For each vertex: whether it sticks or slides on the floor.
+    /// For each vertex: whether it sticks or slides.
     pub clamped: Vec<bool>,
+    /// Other points of the link that stick or slide.
+    pub corners: Vec<SoleCorner>,
 }
 
 impl SensorReadings {
+    /// Points besides the vertices for which each sole has memory at the start.
+    pub const CORNERS: usize = 8;
+
     /// Zero readings of the right sizes.
     pub fn blank(model: &Model) -> Self {
         let zero = vec![0.0; model.nj()];
-        let sole =
-            |k: usize| SoleLoad { vertices: vec![Vector3::zeros(); k], clamped: vec![false; k], ..SoleLoad::default() };
+        let sole = |k: usize| SoleLoad {
+            vertices: vec![Vector3::zeros(); k],
+            clamped: vec![false; k],
+            corners: Vec::with_capacity(Self::CORNERS),
+            ..SoleLoad::default()
+        };
         SensorReadings {
             time: 0.0,
             base: None,

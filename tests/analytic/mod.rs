@@ -29,6 +29,7 @@ pub mod pendulum;
 pub mod planar;
 mod sliding_mode;
 mod slow_sliding;
+mod sole_loads;
 mod spin;
 mod stall;
 mod standing;

@@ -43,7 +43,7 @@ pub fn write_sensing(sensed: &SensorReadings, out: &mut Vec<u8>) -> u8 {
         w.numbers(base.velocity.as_slice());
         w.numbers(base.omega.as_slice());
     }
-    let resolved = !sensed.soles.is_empty() && sensed.soles.iter().all(|sole| sole.resolved);
+    let resolved = !sensed.soles.is_empty() && sensed.soles.iter().all(|sole| sole.resolved && sole.corners.is_empty());
     if resolved {
         set |= flags::VERTICES;
     }
@@ -58,8 +58,8 @@ pub fn write_sensing(sensed: &SensorReadings, out: &mut Vec<u8>) -> u8 {
                 w.bytes(&[u8::from(*clamped)]);
             }
         } else {
-            // Sensors that do not resolve a sole report the same for all of its vertices.
-            w.bytes(&[u8::from(sole.clamped.first().is_some_and(|clamped| *clamped))]);
+            let is_loaded = !sole.corners.is_empty() || sole.clamped.contains(&true);
+            w.bytes(&[u8::from(is_loaded)]);
         }
     }
     set
@@ -112,6 +112,7 @@ pub fn read_sensing(header: &Header, body: &[u8], sensed: &mut SensorReadings) -
     for sole in &mut sensed.soles {
         (sole.force, sole.mean_force, sole.moment) = (r.vector()?, r.vector()?, r.vector()?);
         sole.resolved = resolved;
+        sole.corners.clear();
         if !resolved {
             let loaded = flag(&mut r)?;
             sole.clamped.fill(loaded);

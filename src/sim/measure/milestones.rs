@@ -127,8 +127,10 @@ impl Milestones {
             return;
         }
         let normal = plant.floor.rotation.column(2).into_owned();
-        let links = last.links.iter().map(|(_, link)| link);
-        let forces = last.soles.iter().chain(links).flat_map(|s| &s.forces);
+        // Contacts of two moving bodies are internal forces.
+        let links = last.links.iter().zip(&plant.polygons[last.soles.len()..]);
+        let of_world = links.filter(|(_, polygon)| !polygon.is_between_mechanisms()).map(|((_, link), _)| link);
+        let forces = last.soles.iter().chain(of_world).flat_map(|s| &s.forces);
         m.final_normal_force_n = Some(forces.map(|f| f.dot(&normal)).sum());
         let fall = normal.dot(&plant.gravity);
         m.final_cop_offset_m = last.centre_of_pressure.filter(|_| fall != 0.0).map(|cop| {

@@ -9,7 +9,7 @@ use crate::sim::plant::Plant;
 use crate::sim::report::{EstimateSnapshot, Snapshot, SoleSnapshot};
 use crate::sim::sensing::Estimator;
 use crate::task::{PointOfInterest, SensorReadings, TaskServer};
-use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector2, Vector3};
 use std::fmt::Write;
 
 /// A snapshot with all vectors allocated, to be filled repeatedly.
@@ -149,10 +149,43 @@ pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
             }
         }
     }
-    out.centre_of_pressure = (load > 1e-9 * plant.problem.scale).then(|| moment / load);
+    for contact in plant.sole_contacts().filter(|contact| plant.polygons[contact.polygon].pair().is_some()) {
+        let p = &plant.problem.soles[contact.polygon];
+        let (axes, origin) = (plant.reduced.axes[contact.polygon], plant.reduced.reference[contact.polygon]);
+        let clamped = (0..p.vertices.len()).filter(|i| plant.states[contact.polygon].clamps(*i, p.vertices.len()));
+        out.support_polygon.extend(clamped.map(|i| plane.project(&(origin + axes * p.vertices[i].r))));
+    }
+    out.centre_of_pressure = if plant.pair_patches().next().is_some() {
+        zero_moment_point(plant)
+    } else {
+        (load > 1e-9 * plant.problem.scale).then(|| moment / load)
+    };
     convex_hull(&mut out.support_polygon, &plane);
     let corners = out.support_polygon.iter().map(|p| plane.flat(p));
     out.stable_point = stable_point(corners, edges).map(|found| plane.world(&found.point));
+}
+
+/// The point of the floor plane about which the contacts of the robot have no horizontal moment; none where
+/// they do not carry it. On a plane it is the centre of pressure.
+///
+/// ```text
+/// F = sum f_c,  M = sum m_c + (p_c - o) x f_c     o + (-M_y, M_x, 0) / F_z        in the floor's axes, o on the floor
+/// ```
+fn zero_moment_point(plant: &Plant) -> Option<Vector3<f64>> {
+    let plane = plant.floor.plane();
+    let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+    for s in 0..plant.polygons.len() {
+        let (f, m) = plant.polygon_load(s);
+        let arm = plant.reduced.reference[s] - plane.point;
+        for (body, sign) in plant.reduced.bodies(s).zip([1.0, -1.0]) {
+            if body.mechanism == 0 {
+                force += f * sign;
+                moment += (m + arm.cross(&f)) * sign;
+            }
+        }
+    }
+    let (f, m) = (plane.to_plane(&force), plane.to_plane(&moment));
+    (f.z > 1e-9 * plant.problem.scale).then(|| plane.world(&Vector2::new(-m.y / f.z, m.x / f.z)))
 }
 
 /// The named points of all tasks, without positions.

@@ -128,9 +128,7 @@ impl Plant {
 
     /// Applies sole impulses (6F, floor axes) to the state's velocity.
     pub fn apply_impulses(&mut self, impulses: &[f64]) -> JumpWork {
-        if let Some(sum) = &mut self.impulses {
-            sum.add(impulses, 1.0);
-        }
+        self.add_sole_impulses(impulses, 1.0);
         let before = self.kinetic_energy();
         let work_before = self.prescribed_momentum_work();
         self.add_impulses(impulses);

@@ -3,7 +3,7 @@
 //! [`Plant`] evaluates the right-hand side: kinematics, efforts, the reduced contact problem,
 //! wrenches and accelerations. The other files are parts of it: the layout of the integrator's
 //! vector, implicit dampers, kinematic joints as constraints, sliding directions, friction regions
-//! of the vertices, impulses on the soles, energies and powers, objects besides the robot.
+//! of the vertices, loads and impulses on the soles, energies and powers, objects besides the robot.
 //!
 //! Imports actuation, floor, contact, dynamics and force. Called by every other module of sim;
 //! independent of [`Simulation`](super::Simulation), tasks, observers and metrics.
@@ -23,6 +23,7 @@ mod parameters;
 pub mod polygon;
 pub mod sliding_directions;
 pub mod sole_impulses;
+pub mod sole_loads;
 pub mod state_layout;
 pub mod system;
 

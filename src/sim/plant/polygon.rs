@@ -55,6 +55,11 @@ impl Polygon {
         }
     }
 
+    /// Whether both of its bodies move.
+    pub fn is_between_mechanisms(&self) -> bool {
+        self.pair().is_some_and(|patch| patch.parts[0].pair.links.1.is_some())
+    }
+
     /// Its frame in the reduced problem.
     pub fn frame(&self) -> ContactFrame<'_> {
         match self {

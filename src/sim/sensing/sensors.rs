@@ -203,6 +203,7 @@ impl ErrorModel {
         let up = -plant.gravity.try_normalize(0.0).unwrap_or(-Vector3::z());
         for sole in &mut out.soles {
             sole.resolved = false;
+            sole.corners.clear();
             sole.clamped.fill(sole.force.dot(&up) > light);
         }
     }

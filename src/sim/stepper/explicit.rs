@@ -140,9 +140,7 @@ impl ExplicitStepper {
             self.begin(sim, t0);
         }
         sim.measure_energy();
-        if let Some(impulses) = &mut sim.plant.impulses {
-            impulses.begin_step(&sim.plant.solution.wrench);
-        }
+        sim.plant.begin_sole_impulses();
         let doubtful = self.functions.overlook(&mut self.start, sim.tolerances.rest);
         if hop.is_none() && sim.locates_events() {
             h = self.pair.select(&mut sim.plant, &self.y, h, remaining);
@@ -195,9 +193,7 @@ impl ExplicitStepper {
             // Event location may end with the plant anywhere in the step.
             sim.plant.evaluate();
         }
-        if let Some(impulses) = &mut sim.plant.impulses {
-            impulses.end_step(&sim.plant.solution.wrench, h);
-        }
+        sim.plant.end_sole_impulses(h);
         check_finite(&sim.plant)?;
         if sim.plant.is_compliant() {
             if located {

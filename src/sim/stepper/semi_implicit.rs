@@ -105,9 +105,7 @@ pub(super) fn apply_step(sim: &mut RunState, dt: f64, end: f64) {
     displace(sim, dt);
     let plant = &mut sim.plant;
     plant.add_velocity(&sim.displacement);
-    if let Some(impulses) = &mut plant.impulses {
-        impulses.add(&plant.solution.wrench, 1.0);
-    }
+    plant.add_present_forces(1.0);
     let nb = plant.model.nb();
     plant.drives.average_over_step(&sim.displacement[nb..], dt);
     plant.drive_reactions_over_step(&sim.displacement, dt);

@@ -38,7 +38,7 @@ use crate::sim::report::Observer;
 use crate::sim::run::{Deferral, RunState};
 use crate::sim::run_error::RunError;
 use crate::sim::termination::check_finite;
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 
 /// Events by which the states must alternate, and after the mode was left for a trial.
 const EVENTS: usize = 16;
@@ -75,8 +75,8 @@ pub struct SlidingMode {
     halves: Vec<f64>,
     /// Sliding directions at the start of a step.
     directions: Vec<Vec<Vector2<f64>>>,
-    /// Impulses of the first half, 6F.
-    impulse: Vec<f64>,
+    /// Forces on the soles over the first half, N.
+    sole_forces: Vec<Vector3<f64>>,
 }
 
 impl SlidingMode {
@@ -99,7 +99,7 @@ impl SlidingMode {
             whole: vec![0.0; n],
             halves: vec![0.0; n],
             directions: Vec::new(),
-            impulse: Vec::new(),
+            sole_forces: Vec::new(),
         }
     }
 
@@ -211,8 +211,9 @@ impl SlidingMode {
             let jump_of_whole = sim.energy.jump_work - jumps;
             self.restore(sim, t0, jumps, &states);
             self.advance(sim, 0.5 * h, t0 + 0.5 * h, observer)?;
-            self.impulse.clear();
-            self.impulse.extend(sim.plant.solution.wrench.iter().map(|w| w * 0.5 * h));
+            if impulses.is_some() {
+                sim.plant.sole_forces(&sim.plant.solution.wrench, &mut self.sole_forces);
+            }
             self.advance(sim, 0.5 * h, t0 + h, observer)?;
             sim.plant.pack(&sim.energy.flows, &mut self.halves);
             let jump_of_halves = sim.energy.jump_work - jumps;
@@ -251,9 +252,9 @@ impl SlidingMode {
         sim.plant.impulses = impulses;
         if let Some(impulses) = &mut sim.plant.impulses {
             // Two halves of equal length: the mean of their forces over the step.
-            impulses.add(&self.impulse, 1.0);
-            impulses.add(&sim.plant.solution.wrench, 0.5 * h);
+            impulses.add(&self.sole_forces, 0.5 * h);
         }
+        sim.plant.add_present_forces(0.5 * h);
         sim.metrics.steps += 1;
         sim.metrics.sliding_mode_s += t1 - t0;
         sim.measure_energy();

@@ -1,4 +1,4 @@
-//! Forces of the floor on the sole vertices, the vertices in contact, and the zero-moment point.
+//! Forces on the sole vertices, the points in contact, and the zero-moment point.
 //!
 //! ```text
 //! F = sum f_s,  M = sum m_s + (p_s - o) x f_s     zmp = o + (-M_y, M_x, 0) / F_z     in the floor's axes, o on the floor
@@ -10,6 +10,7 @@ use super::AugmentedData;
 use crate::dynamics::body;
 use crate::geometry::Plane;
 use crate::task::SensorReadings;
+use crate::task::sensor_readings::SoleCorner;
 use nalgebra::{Vector2, Vector3};
 
 /// A vertex with a smaller force, N, counts as unloaded: solver rounding.
@@ -17,21 +18,21 @@ pub(super) const UNLOADED: f64 = 1e-9;
 /// A sole whose sensor measures less than this fraction of the robot's weight counts as in the air.
 pub const LIGHT: f64 = 0.02;
 
-/// A vertex on the floor.
+/// A point of a sole in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
     /// Index of the sole.
     pub sole: usize,
-    /// Index of the vertex in it.
-    pub vertex: usize,
+    /// Index of the vertex in it; none where a border of terrain or an object crosses the sole.
+    pub vertex: Option<usize>,
     /// Position, world, m.
     pub position: Vector3<f64>,
-    /// Force of the floor on it, world axes, N.
+    /// Force on it, world axes, N.
     pub force: Vector3<f64>,
 }
 
 impl AugmentedData {
-    /// Uses the vertex forces of the simulated floor. If a sensor measures only the resultants,
+    /// Uses the vertex forces of the simulation. If a sensor measures only the resultants,
     /// these are split ([`super::load_split`]), and loaded vertices count as in contact on soles
     /// that bear more than `LIGHT` times the weight.
     pub(super) fn find_contacts(&mut self, sensed: &SensorReadings, floor: &Plane) {
@@ -48,9 +49,11 @@ impl AugmentedData {
                 let bears = || loaded && floor.to_plane(force).z > UNLOADED;
                 let touches = if load.resolved { load.clamped[i] } else { bears() };
                 if touches {
-                    self.contacts.push(ContactPoint { sole: s, vertex: i, position: *position, force: *force });
+                    self.contacts.push(ContactPoint { sole: s, vertex: Some(i), position: *position, force: *force });
                 }
             }
+            let corner = |c: &SoleCorner| ContactPoint { sole: s, vertex: None, position: c.position, force: c.force };
+            self.contacts.extend(load.corners.iter().map(corner));
         }
     }
 

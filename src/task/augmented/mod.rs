@@ -67,11 +67,16 @@ pub struct AugmentedData {
     edges: Vec<crate::geometry::stable_point::Edge>,
 }
 
+/// Contact points on the soles for which there is memory at the start.
+pub fn contact_points(model: &Model) -> usize {
+    model.soles.iter().map(|sole| sole.vertices.len() + SensorReadings::CORNERS).sum()
+}
+
 impl AugmentedData {
     /// Allocates for a robot.
     pub fn new(model: &Model) -> Self {
         let (nv, nj) = (model.nv(), model.nj());
-        let points: usize = model.soles.iter().map(|s| s.vertices.len()).sum();
+        let points = contact_points(model);
         AugmentedData {
             workspace: Workspace::new(model),
             com: Vector3::zeros(),

@@ -30,8 +30,8 @@ pub struct Stance {
 impl Stance {
     /// For a robot that stands on `soles`.
     pub fn new(model: &Model, soles: Vec<SoleId>) -> Self {
-        let vertices = soles.iter().map(|s| model.soles[s.0].vertices.len()).sum();
-        Stance { soles, footholds: Vec::with_capacity(vertices), centre: Vector3::zeros() }
+        let points = soles.iter().map(|s| model.soles[s.0].vertices.len() + SensorReadings::CORNERS).sum();
+        Stance { soles, footholds: Vec::with_capacity(points), centre: Vector3::zeros() }
     }
 
     /// The soles.
@@ -64,6 +64,10 @@ impl Stance {
                     let point = ws.point(sole.link, &vertex.lerp(&middle, margin));
                     self.footholds.push(Foothold { sole: id, point, normal });
                 }
+            }
+            for corner in sensed.iter().flat_map(|s| &s.soles[id.0].corners) {
+                let point = corner.position.lerp(&ws.point(sole.link, &middle), margin);
+                self.footholds.push(Foothold { sole: id, point, normal });
             }
         }
         self.centre = if count > 0.0 { sum / count } else { ws.position };
