@@ -27,6 +27,7 @@ mod patches;
 mod penalty;
 pub mod pendulum;
 pub mod planar;
+mod several_contacts;
 mod sliding_mode;
 mod slow_sliding;
 mod sole_loads;
