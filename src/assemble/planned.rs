@@ -39,6 +39,7 @@ pub(super) fn walk(
     let stride = Stride {
         steps: spec.steps as usize,
         length: spec.step_length,
+        rise: spec.step_rise,
         time: spec.step_time,
         double_support: spec.double_support,
         height: spec.step_height,

@@ -3,8 +3,8 @@
 //!
 //! Feet and zero-moment-point reference come from [`super::gait::footsteps`], the horizontal motion
 //! of the centre of mass from [`super::gait::preview`], planned to the end of walk or run when the
-//! task begins. Its height is constant and the root stays upright. [`super::kinematic`] gives the
-//! joint positions at every tick.
+//! task begins. Its height above the lower foot is constant between swings and the root stays upright.
+//! [`super::kinematic`] gives the joint positions at every tick.
 
 use super::gait::{Footsteps, Preview, Sample, Stride};
 use super::kinematic::{PlannedRobot, PosturePlanner};
@@ -135,13 +135,15 @@ impl Task for Walk {
         self.planner.approach(t, self.settle, self.over, self.upright);
         let since = t - self.settle;
         let done = has_elapsed(since, plan.footsteps.duration());
-        let (mut acceleration, mut zmp) = (Vector3::zeros(), self.over.xy());
+        let (mut acceleration, mut zmp, mut ground) = (Vector3::zeros(), self.over.xy(), plan.ground);
         if since > 0.0 {
             let [x, y] = plan.com(since);
-            self.planner.goal.com = Vector3::new(x[0], y[0], self.over.z);
+            let z = plan.footsteps.ground(since);
+            ground += z[0];
+            self.planner.goal.com = Vector3::new(x[0], y[0], self.over.z + z[0]);
             let moving = if done { 0.0 } else { 1.0 };
-            self.planner.rates.com = Vector3::new(x[1], y[1], 0.0) * moving;
-            acceleration = Vector3::new(x[2], y[2], 0.0) * moving;
+            self.planner.rates.com = Vector3::new(x[1], y[1], z[1]) * moving;
+            acceleration = Vector3::new(x[2], y[2], z[2]) * moving;
             zmp = Vector2::new(x[0], y[0]) - acceleration.xy() * plan.lag;
             for s in 0..2 {
                 let (position, velocity) = plan.footsteps.sole(s, since);
@@ -150,7 +152,7 @@ impl Task for Walk {
             }
         }
         let reference = plan.footsteps.zmp(since.max(0.0));
-        let (ground, feet) = (plan.ground, [0, 1].map(|s| plan.footsteps.landing(s, since)));
+        let feet = [0, 1].map(|s| plan.footsteps.landing(s, since));
         let positions = [self.planner.goal.com, Vector3::new(reference.x, reference.y, ground), feet[0], feet[1]];
         self.points.iter_mut().zip(positions).for_each(|(point, at)| point.position = Some(at));
         self.planner.write_joints(context, command)?;

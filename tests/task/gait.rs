@@ -75,7 +75,7 @@ fn gains_agree_with_scipy() {
 }
 
 fn stride(length: f64) -> Stride {
-    Stride { steps: 5, length, time: 0.8, double_support: 0.2, height: 0.02, wait: 1.0, first: 1 }
+    Stride { steps: 5, length, rise: 0.0, time: 0.8, double_support: 0.2, height: 0.02, wait: 1.0, first: 1 }
 }
 
 fn footsteps(length: f64) -> Footsteps {
@@ -123,6 +123,42 @@ fn feet_land_at_the_planned_positions_and_times() {
             // h^2 / 6 times a third derivative of some 60 m/s^3, and 1e-16 / h of rounding.
             assert!((slope - velocity).norm() < 1e-8, "{t}");
         }
+    }
+}
+
+/// On stairs feet land a rise above each other, the last two level, and the ground is that of the lower
+/// foot at both ends of each step.
+#[test]
+fn feet_climb_stairs() {
+    let soles = [Vector3::new(0.1, 0.04, 0.2), Vector3::new(0.1, -0.04, 0.2)];
+    let plan = Footsteps::new(Stride { rise: -0.015, ..stride(0.03) }, soles, Vector3::x(), f64::INFINITY);
+    let rises = [(0.0, 0.0), (1.0, 0.0), (1.0, 2.0), (3.0, 2.0), (3.0, 4.0), (4.0, 4.0)];
+    for (i, (right, left)) in rises.into_iter().enumerate() {
+        let t = 1.0 + 0.8 * i as f64;
+        for (foot, rise) in [(0, left), (1, right)] {
+            assert!((plan.sole(foot, t).0.z - (0.2 - 0.015 * rise)).abs() < 1e-15, "step {i} foot {foot}");
+        }
+        let [height, rate, acceleration] = plan.ground(t);
+        assert!((height + 0.015 * f64::max(left, right)).abs() < 1e-15, "step {i}: {height}");
+        assert!(rate.abs() < 1e-12 && acceleration.abs() < 1e-12);
+    }
+    // A fifth of the way across, at 0.35 of the swing, a foot on its way down is still at the upper height.
+    let (foot, _) = plan.sole(1, 1.2 + 0.35 * 0.6);
+    assert!(foot.z > 0.2 && (foot.x - 0.1 - 0.03 * 0.05792).abs() < 1e-6, "{foot}");
+    let h = 1e-5;
+    for k in 0..620 {
+        let t = 0.0051 + f64::from(k) * 0.01;
+        for foot in [0, 1] {
+            let slope = (plan.sole(foot, t + h).0 - plan.sole(foot, t - h).0) / (2.0 * h);
+            // h^2 / 6 times a third derivative of some 130 m/s^3.
+            assert!((slope - plan.sole(foot, t).1).norm() < 1e-8, "{t}");
+        }
+        let ([before, slow, _], [_, rate, acceleration], [after, fast, _]) =
+            (plan.ground(t - h), plan.ground(t), plan.ground(t + h));
+        // h^2 / 6 times a third derivative of 60 R / 0.6^3, 4 m/s^3, and 1e-16 / h of rounding.
+        assert!(((after - before) / (2.0 * h) - rate).abs() < 1e-9, "{t}");
+        // A third derivative that jumps by 4 m/s^3 where swings begin and end, times h.
+        assert!(((fast - slow) / (2.0 * h) - acceleration).abs() < 4e-5, "{t}");
     }
 }
 

@@ -19,3 +19,8 @@ pub fn two() -> f64 {
 pub fn yes() -> bool {
     true
 }
+
+/// Keys that are written only where they are not 0.
+pub fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}

@@ -8,15 +8,21 @@
 //!
 //! with S the step time and d the time of double support. Footfall i (1 to n) of a walk with step
 //! length L lands `i L` ahead of the initial position of the feet, the last one next to the other
-//! foot at `(n - 1) L`; L = 0 steps in place. The swinging foot moves along
+//! foot at `(n - 1) L`; L = 0 steps in place. Heights follow in the same way, with a rise R for L: a
+//! stair of treads L and R. The swinging foot moves along
 //!
 //! ```text
 //! p(s) = p0 + (p1 - p0) (10 s^3 - 15 s^4 + 6 s^5),     z(s) = z0 + (z1 - z0) (same) + H 64 s^3 (1 - s)^3
 //! ```
 //!
 //! which lifts off and lands without velocity or acceleration and is H above the floor at half the
-//! swing. The zero-moment point rests under the standing foot's centroid and moves across in double
-//! support along the same quintic.
+//! swing. On stairs it moves across in the middle half of the swing, along the same quintic, and changes
+//! its height in the first half on the way up, in the second on the way down: clear of the edge.
+//!
+//! The zero-moment point rests under the standing foot's centroid and moves across in double support
+//! along the same quintic. The ground, above which the centre of mass has a constant height, is
+//! that of the lower foot while both stand, whose leg is the longer one; it changes along the quintic
+//! during the swing.
 
 use crate::math;
 use crate::motion::minimum_jerk::minimum_jerk;
@@ -29,6 +35,8 @@ pub struct Stride {
     pub steps: usize,
     /// L, m; negative walks backwards.
     pub length: f64,
+    /// R, m; negative walks down.
+    pub rise: f64,
     /// S, s.
     pub time: f64,
     /// d, s; less than S.
@@ -70,7 +78,8 @@ impl Footsteps {
         for i in 1..=known {
             let foot = (stride.first + i - 1) % 2;
             let advance = if i == stride.steps { i - 1 } else { i };
-            let to = start[foot] + ahead * (advance as f64 * stride.length);
+            let (advance, up) = (advance as f64, Vector3::z());
+            let to = start[foot] + ahead * (advance * stride.length) + up * (advance * stride.rise);
             footfalls.push(Footfall { foot, from: positions[foot], to });
             positions[foot] = to;
         }
@@ -99,12 +108,20 @@ impl Footsteps {
         };
         if let Some(fall) = self.footfalls.get(current).filter(|f| f.foot == foot) {
             let (s, swing) = (since - self.stride.double_support, self.stride.time - self.stride.double_support);
-            let (progress, rate) = minimum_jerk(s, swing);
+            let middle = 0.5 * swing;
+            let (progress, rate) =
+                if self.stride.rise == 0.0 { minimum_jerk(s, swing) } else { minimum_jerk(s - 0.25 * swing, middle) };
+            let (climb, climbing) = match self.stride.rise {
+                0.0 => (progress, rate),
+                rise if rise > 0.0 => minimum_jerk(s, middle),
+                _ => minimum_jerk(s - middle, middle),
+            };
             let u = (s / swing).clamp(0.0, 1.0);
             let lift = Vector3::z() * (self.stride.height * 64.0 * math::powi(u * (1.0 - u), 3));
             let rise = self.stride.height * 192.0 * math::powi(u * (1.0 - u), 2) * (1.0 - 2.0 * u) / swing;
             let shift = fall.to - fall.from;
-            return (fall.from + shift * progress + lift, shift * rate + Vector3::z() * rise);
+            let part = |across: f64, up: f64| Vector3::new(shift.x * across, shift.y * across, shift.z * up);
+            return (fall.from + part(progress, climb) + lift, part(rate, climbing) + Vector3::z() * rise);
         }
         let landed = self.footfalls[..current].iter().rev().find(|f| f.foot == foot);
         (landed.map_or(self.start[foot], |f| f.to), Vector3::zeros())
@@ -118,6 +135,28 @@ impl Footsteps {
             None => self.footfalls.len(),
         };
         self.footfalls[..begun].iter().rev().find(|f| f.foot == foot).map_or(self.start[foot], |f| f.to)
+    }
+
+    /// Height of the ground above that at the start, m, its rate, m/s, and acceleration, m/s^2.
+    pub fn ground(&self, t: f64) -> [f64; 3] {
+        let before = |i: usize| {
+            let foot = |foot: usize| {
+                let landed = self.footfalls[..i].iter().rev().find(|f| f.foot == foot);
+                landed.map_or(self.start[foot], |f| f.to).z
+            };
+            foot(0).min(foot(1))
+        };
+        let (i, since) = match self.step(t) {
+            Some(step) => step,
+            None if t < self.stride.wait => return [0.0; 3],
+            None => return [before(self.footfalls.len()) - before(0), 0.0, 0.0],
+        };
+        let (from, rise) = (before(i) - before(0), before(i + 1) - before(i));
+        let swing = self.stride.time - self.stride.double_support;
+        let (progress, rate) = minimum_jerk(since - self.stride.double_support, swing);
+        let s = ((since - self.stride.double_support) / swing).clamp(0.0, 1.0);
+        let second = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (swing * swing);
+        [from + rise * progress, rise * rate, rise * second]
     }
 
     /// Reference of the zero-moment point, m.

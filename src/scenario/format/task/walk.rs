@@ -22,6 +22,9 @@ pub struct WalkTask {
     /// Distance of each footfall ahead of the other foot, m; 0: on the spot, negative: backwards.
     #[serde(default)]
     pub step_length: f64,
+    /// Height of each footfall above the other foot, m: stairs; negative: down.
+    #[serde(default, skip_serializing_if = "defaults::is_zero")]
+    pub step_rise: f64,
     /// Time from one footfall to the next, s.
     #[serde(default = "step_time", deserialize_with = "positive")]
     #[schemars(with = "json::Positive")]
