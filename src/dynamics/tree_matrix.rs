@@ -204,7 +204,7 @@ impl TreeMatrix {
             out[j] += factor * a;
         }
         let depth = self.pattern.chain(k).len() - 1;
-        for (i, out) in out.iter_mut().enumerate().skip(k + 1) {
+        for (i, out) in out.iter_mut().enumerate().take(self.len()).skip(k + 1) {
             if self.pattern.chain(i).get(depth) == Some(&k) {
                 *out += factor * self.row(i)[depth];
             }

@@ -210,3 +210,59 @@ fn a_bridge_stands() {
         .sum();
     assert!((floor - 5.0 * G).abs() < 1e-9, "{floor}");
 }
+
+/// A box slides without friction over a plate that turns, both free without gravity: the plane of the contact
+/// turns below it, and its normal acceleration has Coriolis and centripetal terms.
+#[test]
+fn a_box_slides_over_a_plate_that_turns() {
+    let (w, u, s0) = (-2.0, 1.0, 0.1);
+    let (sim, m) = finished(&format!(
+        "duration = 0.4
+        gravity = [0, 0, 0]
+        floor = {{ plane = false, friction = 0.0 }}
+        object = [
+            {{ type = \"box\", size = [2, 0.2, 0.1], mass = 3.0, angular_velocity = [0, {w}, 0] }},
+            {{ type = \"box\", size = [0.1, 0.1, 0.1], mass = 1.0, position = [{s0}, 0, 0.1], linear_velocity = [{}, 0, {}], angular_velocity = [0, {w}, 0] }},
+        ]",
+        u + 0.1 * w,
+        -s0 * w
+    ));
+    let momentum = |sim: &Simulation| {
+        let (mut linear, mut angular) = (Vector3::zeros(), 0.0);
+        for (o, mass, inertia) in [(0, 3.0, 3.0 * (4.0 + 0.01) / 12.0), (1, 1.0, 0.02 / 12.0)] {
+            let (p, v, omega) = motion(sim, o);
+            linear += v * mass;
+            angular += p.cross(&v).y * mass + inertia * omega.y;
+        }
+        (linear, angular)
+    };
+    let (linear, angular) = momentum(&sim);
+    let start = Vector3::new(u + 0.1 * w, 0.0, -s0 * w);
+    let spin = (0.1 * start.x - s0 * start.z) + w * (3.0 * 4.01 + 0.02) / 12.0;
+    assert!((linear - start).norm() < 1e-9 && (angular - spin).abs() < 1e-9, "{linear} {angular} {spin}");
+    // It stays flat on the plate and keeps its turn, and has slid by some 0.4 m.
+    let ((p, _, one), (q, _, other)) = (motion(&sim, 0), motion(&sim, 1));
+    assert!((one - other).norm() < 1e-9 && (q - p).norm() > 0.45, "{one} {other} {p} {q}");
+    assert!(m.impacts == 0 && m.state_changes == 0, "{m:?}");
+    assert_clean(&m);
+}
+
+/// Velocities of objects follow those of a robot with kinematic joints, which have columns of its own mass
+/// matrix only: CB-i's eyes, next to a ball in free fall.
+#[test]
+fn robots_with_kinematic_joints_and_objects_move_together() {
+    for integrator in ["dopri5", "semi-implicit"] {
+        let mut sim = simulation(&format!(
+            "duration = 0.05
+            robot = {{ model = \"robots/cbi/cbi.toml\" }}
+            integrator = {{ method = \"{integrator}\" }}
+            object = [{{ type = \"sphere\", radius = 0.1, mass = 1.0, position = [2, 0, 1] }}]
+            log.rate = 0\n"
+        ));
+        let m = finish(&mut sim, &mut NullObserver);
+        let fallen = if integrator == "dopri5" { 0.5 * G * 0.05 * 0.05 } else { 0.5 * G * 0.05 * 0.051 };
+        let position = motion(&sim, 0).0;
+        assert!((position - Vector3::new(2.0, 0.0, 1.0 - fallen)).norm() < 1e-9, "{integrator}: {position}");
+        assert!(m.inconsistent == 0 && m.energy_error_j.abs() < 1e-2, "{integrator}: {m:?}");
+    }
+}

@@ -162,6 +162,7 @@ impl RunState {
         let frames = polygons.iter().map(|polygon| polygon.frame());
         plant.reduced = plant.reduced.with_contacts(frames, mechanisms);
         plant.polygons = polygons;
+        plant.pair_bias = vec![[0.0; 6]; plant.polygons.len()];
         plant.method = self.contact.method.solver(&plant.problem);
         plant.refresh();
         self.projection = Solution::new(&plant.problem);

@@ -105,7 +105,8 @@ impl Plant {
         let nb = self.model.nb();
         self.ws.mass.multiply(dv, &mut self.scratch);
         if let Some(dampers) = self.dampers.matrix() {
-            dv.iter().enumerate().for_each(|(k, dv)| dampers.add_column(k, *dv, &mut self.scratch));
+            let of_robot = dv[..self.model.nv()].iter().enumerate();
+            of_robot.for_each(|(k, dv)| dampers.add_column(k, *dv, &mut self.scratch));
         }
         for &j in self.kinematic_paths.joints() {
             let k = nb + j;

@@ -1,16 +1,35 @@
 //! Vertices of the patches of pairs in the contact problem, with the relative motion of the bodies.
+//!
+//! The bias accelerations c_i of a patch's vertices (points that move along both bodies, a plane that
+//! turns, the links' origins as reference of `Jdot v`) contain a motion of the patch as a whole,
+//!
+//! ```text
+//! c_i = c + tau x r_i + d_i        c = mean of c_i,   tau = (tau_x, tau_y, 0) the least-squares tilt of c_i . n
+//! ```
+//!
+//! (c, tau) belongs to the motion a0 of the contact frame, so that conditions on a whole face have it too; d_i
+//! stays with the vertices. Where a face slides over a plane that turns, `c . n = 2 (omega x n) . v`.
 
+use crate::contact::hybrid::projection::fit_plane;
 use crate::contact::model::problem::SoleProblem;
 use crate::dynamics::reduced::Reduced;
 use crate::sim::bodies::PairPatch;
 use nalgebra::Vector3;
 
-/// Sets the vertices of polygon `s`, the patch of a pair. Vertices slower than `rest`, m/s, count as at rest.
-pub(super) fn set_vertices(patch: &PairPatch, reduced: &Reduced, s: usize, rest: f64, sole: &mut SoleProblem) {
+/// Sets the vertices of polygon `s`, the patch of a pair. Vertices slower than `rest`, m/s, count as at
+/// rest. Returns (c, tau), patch axes.
+pub(super) fn set_vertices(
+    patch: &PairPatch,
+    reduced: &Reduced,
+    s: usize,
+    rest: f64,
+    sole: &mut SoleProblem,
+) -> [f64; 6] {
     let (axes, reference) = (&reduced.axes[s], &reduced.reference[s]);
     sole.position = axes.tr_mul(reference);
     let m = &reduced.velocity[6 * s..6 * s + 6];
     let (linear, omega) = (Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
+    let mut mean = Vector3::zeros();
     for (i, v) in sole.vertices.iter_mut().enumerate() {
         let point = patch.point(i);
         v.r = axes.tr_mul(&(point.position - reference));
@@ -18,5 +37,12 @@ pub(super) fn set_vertices(patch: &PairPatch, reduced: &Reduced, s: usize, rest:
         v.bias = axes.tr_mul(&point.bias);
         v.moving = v.velocity.xy().norm_squared() > rest * rest;
         v.near = false;
+        mean += v.bias;
     }
+    let k = sole.vertices.len();
+    mean /= k.max(1) as f64;
+    let tilt = if k > 2 { fit_plane(sole, |i| sole.vertices[i].bias.z) } else { Vector3::zeros() };
+    let turn = Vector3::new(tilt.y, tilt.z, 0.0);
+    sole.vertices.iter_mut().for_each(|v| v.bias -= mean + turn.cross(&v.r));
+    [mean.x, mean.y, mean.z, turn.x, turn.y, 0.0]
 }

@@ -73,6 +73,8 @@ pub struct Plant {
     pub polygons: Vec<Polygon>,
     /// Bodies that may touch each other.
     pub bodies: Vec<Body>,
+    /// Motion of each patch of a pair that the biases of its vertices contain, 6 per polygon.
+    pub pair_bias: Vec<[f64; 6]>,
     /// Fixed bodies besides the floor.
     pub terrain: Arc<Terrain>,
     /// Gravity, world.
@@ -220,6 +222,7 @@ impl Plant {
             ws,
             polygons: model.soles.iter().cloned().map(Polygon::Floor).collect(),
             bodies: setup.bodies,
+            pair_bias: Vec::new(),
             terrain: setup.terrain,
             model,
         };
@@ -351,6 +354,12 @@ impl Plant {
         if !self.refreshed {
             self.update_vertices();
         }
+        for (s, _) in self.polygons.iter().enumerate().filter(|(_, polygon)| polygon.pair().is_some()) {
+            for (r, c) in self.pair_bias[s].iter().enumerate() {
+                self.reduced.a0[6 * s + r] += c;
+                self.problem.b[6 * s + r] += c;
+            }
+        }
     }
 
     /// Updates the contact frames to the kinematics.
@@ -381,7 +390,7 @@ impl Plant {
         for (s, sole) in p.soles.iter_mut().enumerate() {
             sole.target = Vector3::zeros();
             if let Polygon::Pair(patch) = &self.polygons[s] {
-                set_vertices(patch, &self.reduced, s, self.rest, sole);
+                self.pair_bias[s] = set_vertices(patch, &self.reduced, s, self.rest, sole);
                 continue;
             }
             sole.position = self.floor.to_floor(&(self.reduced.reference[s] - self.floor.point));
