@@ -5,6 +5,7 @@
 //! - `outline`: the outline of a point set in space with a tolerance, for soles, and its
 //!   simplification.
 //! - `spatial_hull`: hulls of bodies.
+//! - `polyhedron`: volume, centre and inertia of bodies.
 //! - `convex_polygon`, `simple_polygon`: checks of polygons in input files.
 //! - `stable_point`: the centre of the largest disc in a polygon.
 //!
@@ -15,6 +16,7 @@ pub mod convex_polygon;
 pub mod outline;
 pub mod planar_hull;
 pub mod plane;
+pub mod polyhedron;
 pub mod simple_polygon;
 pub mod spatial_hull;
 pub mod stable_point;
