@@ -3,7 +3,7 @@
 use crate::export::data_table::Values;
 use crate::export::log_instants::LogInstant;
 use crate::log::messages::Residual;
-use crate::log::{EstimateSeries, JointSeries, Motion, SelfCollisionSeries, SoleSeries, Trajectory};
+use crate::log::{EstimateSeries, JointSeries, Motion, ObjectSeries, SelfCollisionSeries, SoleSeries, Trajectory};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Name of the first column.
@@ -41,7 +41,7 @@ type ResidualPart = fn(&Residual) -> f64;
 struct Columns<'a>(Vec<LogColumn<'a>>);
 
 /// All columns but the time: motion of base and centre of mass, joints, soles with their vertices,
-/// residuals, energies.
+/// objects, residuals, energies.
 pub(super) fn of(log: &Trajectory) -> Vec<LogColumn<'_>> {
     let mut all = Columns::default();
     if let Some(motion) = &log.motion {
@@ -49,6 +49,7 @@ pub(super) fn of(log: &Trajectory) -> Vec<LogColumn<'_>> {
         motion.joints.iter().for_each(|joint| all.joint(joint));
     }
     log.soles.iter().flatten().for_each(|sole| all.sole(sole));
+    log.objects.iter().for_each(|object| all.object(object));
     if let Some(residuals) = &log.residuals {
         all.residuals(residuals);
     }
@@ -141,6 +142,12 @@ impl<'a> Columns<'a> {
             self.vector(&format!("{of_vertex}.v"), "m_s", &vertex.velocity);
             self.vector(&format!("{of_vertex}.force_"), "N", &vertex.force);
         }
+    }
+
+    fn object(&mut self, object: &'a ObjectSeries) {
+        let of_object = format!("object.{}.", object.name);
+        self.vector(&of_object, "m", &object.position);
+        self.angles(&of_object, &object.orientation);
     }
 
     fn estimate(&mut self, e: &'a EstimateSeries) {

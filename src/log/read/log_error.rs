@@ -136,6 +136,9 @@ pub enum LogDamage {
     /// A message on self-collisions lacks values.
     #[error("/self_collision at {0} s does not have a value for each joint")]
     SelfCollision(f64),
+    /// Objects differ between ticks.
+    #[error("/tf does not have the same objects at every tick")]
+    Objects,
     /// Frames differ between ticks.
     #[error("/tf at {0} ns has other frames than the first tick")]
     Frames(u64),

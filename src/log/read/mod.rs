@@ -8,6 +8,7 @@ mod estimate_series;
 mod log_error;
 mod log_file;
 mod message_values;
+mod object_series;
 mod scene;
 mod self_collision_series;
 mod trajectory;
@@ -17,6 +18,7 @@ pub use estimate_series::{EstimateSeries, JointReadings, SoleReadings};
 pub use log_error::{LogDamage, LogError};
 pub use log_file::read_bytes;
 pub(super) use log_file::{LogFile, MAX_GROWTH, MAX_RECORD, RUN_ENTRIES};
+pub use object_series::ObjectSeries;
 pub use scene::{Frame, Scene};
 pub use self_collision_series::SelfCollisionSeries;
 pub use trajectory::{

@@ -2,8 +2,9 @@
 
 use crate::log::read::log_error::{LogDamage, LogError};
 use crate::log::read::log_file::LogFile;
+use crate::log::read::message_values::pose;
 use foxglove::messages::{FrameTransform, FrameTransforms, SceneEntity, SceneUpdate};
-use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use nalgebra::Isometry3;
 use prost::Message as _;
 use std::path::Path;
 
@@ -74,11 +75,4 @@ impl Scene {
         }
         Ok(())
     }
-}
-
-/// The pose with the logged bits: normalizing the quaternion again would change the last ones.
-fn pose(t: &FrameTransform) -> Isometry3<f64> {
-    let translation = t.translation.as_ref().map_or_else(Translation3::identity, |v| Translation3::new(v.x, v.y, v.z));
-    let rotation = t.rotation.as_ref().map_or_else(Quaternion::identity, |q| Quaternion::new(q.w, q.x, q.y, q.z));
-    Isometry3::from_parts(translation, UnitQuaternion::new_unchecked(rotation))
 }

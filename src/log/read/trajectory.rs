@@ -2,6 +2,7 @@
 
 use crate::log::messages::Residual;
 use crate::log::read::estimate_series::EstimateSeries;
+use crate::log::read::object_series::ObjectSeries;
 use crate::log::read::self_collision_series::SelfCollisionSeries;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -31,6 +32,8 @@ pub struct Trajectory {
     /// Distances between bodies of the robot, if the scenario has `[self_collision]`. One entry per
     /// tick.
     pub self_collision: Option<SelfCollisionSeries>,
+    /// Poses of the links of objects; topic `scene`, with `state` or `contact`.
+    pub objects: Vec<ObjectSeries>,
     /// Events in order of time, at their own instants.
     pub events: Vec<LoggedEvent>,
 }

@@ -7,6 +7,7 @@ use crate::log::messages::{
 use crate::log::read::log_error::{LogDamage, LogError};
 use crate::log::read::log_file::{LogFile, read_bytes};
 use crate::log::read::message_values::{quaternion, vector, vector_or_zero};
+use crate::log::read::object_series::ObjectFrames;
 use crate::log::read::trajectory::{
     Attachment, JointSeries, LoggedEvent, Motion, PointSeries, RunInfo, SoleSeries, Trajectory, VertexSeries,
 };
@@ -47,6 +48,7 @@ struct TopicMessages {
     estimate: Option<Vec<Estimate>>,
     estimated_soles: Vec<String>,
     self_collision: Option<Vec<SelfCollision>>,
+    objects: ObjectFrames,
     events: Vec<Event>,
 }
 
@@ -86,6 +88,7 @@ impl TopicMessages {
             "/residual" => self.residual.get_or_insert_default().push(Residual::decode(data)?),
             "/estimate" => self.estimate.get_or_insert_default().push(Estimate::decode(data)?),
             "/self_collision" => self.self_collision.get_or_insert_default().push(SelfCollision::decode(data)?),
+            "/tf" => self.objects.decode(data)?,
             "/events" => self.events.push(Event::decode(data)?),
             _ => {}
         }
@@ -100,6 +103,7 @@ impl TopicMessages {
             self.residual.as_ref().map(Vec::len),
             self.estimate.as_ref().map(Vec::len),
             self.self_collision.as_ref().map(Vec::len),
+            self.objects.ticks().filter(|_| self.state.is_some() || self.contact.is_some()),
         ];
         let known = || counts.iter().flatten().copied();
         let (Some(least), Some(most)) = (known().min(), known().max()) else { return };
@@ -109,6 +113,7 @@ impl TopicMessages {
             self.residual.iter_mut().for_each(|v| v.truncate(least));
             self.estimate.iter_mut().for_each(|v| v.truncate(least));
             self.self_collision.iter_mut().for_each(|v| v.truncate(least));
+            self.objects.truncate(least);
         }
     }
 
@@ -152,6 +157,9 @@ impl TopicMessages {
             same("/self_collision", &mut all.iter().map(|e| e.time))?;
             self_collision_series::check(all, self.joints.len())?;
         }
+        if self.state.is_some() || self.contact.is_some() {
+            self.objects.check(&times)?;
+        }
         let mut points: &[Point] = &[];
         for s in self.state.iter().flatten() {
             // Tasks started during the run add their points.
@@ -168,11 +176,15 @@ impl TopicMessages {
     }
 
     fn into_trajectory(self, info: RunInfo, complete: bool, attachments: Vec<Attachment>) -> Trajectory {
+        let times = self.times();
+        // Frames alone have no times of ours.
+        let objects = if times.is_empty() { Vec::new() } else { self.objects.into_series() };
         Trajectory {
             info,
             complete,
             attachments,
-            times: self.times(),
+            times,
+            objects,
             estimate: self.estimate.map(|rows| estimate_series::series(&self.joints, &self.estimated_soles, &rows)),
             self_collision: self.self_collision.map(|rows| self_collision_series::series(&self.joints, &rows)),
             motion: self.state.map(|rows| motion(&self.joints, &rows)),
