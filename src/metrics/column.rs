@@ -42,6 +42,9 @@ pub(crate) enum Distance {
     StateAgreement,
     FinalPosition,
     FinalRotation,
+    ObjectPositionRms,
+    ObjectJointRms,
+    FinalObjectPosition,
 }
 
 /// Source of the values of a column.

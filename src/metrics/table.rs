@@ -268,6 +268,12 @@ metrics! {
     @Distance::FinalPosition("error_final_position_m"): OptionalReal, "m", Robot,
         "Distance from the reference run in base position at the last instant that both reached.";
     @Distance::FinalRotation("error_final_rotation_rad"): OptionalReal, "rad", Robot, "The same in base orientation.";
+    @Distance::ObjectPositionRms("error_object_position_rms_m"): OptionalReal, "m", Simulation,
+        "Distance from the reference run in the positions of objects; empty without objects.";
+    @Distance::ObjectJointRms("error_object_joint_rms_rad"): OptionalReal, "rad", Simulation,
+        "The same in joint positions of objects.";
+    @Distance::FinalObjectPosition("error_final_object_position_m"): OptionalReal, "m", Simulation,
+        "Greatest distance of an object from the reference run at the last instant that both reached.";
     @Cost::RepeatedWallMin("timing_wall_min_s"): OptionalReal, "s", Robot,
         "Shortest wall-clock time of the repetitions by `compare.timing_repeats`; empty without.";
     @Cost::RepeatedWallMedian("timing_wall_median_s"): OptionalReal, "s", Robot, "Their median.";

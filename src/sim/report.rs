@@ -133,6 +133,10 @@ pub struct Sample {
     pub forces: Vec<Vector3<f64>>,
     /// Contact state of each sole.
     pub states: Vec<SoleState>,
+    /// Origin of the root link's frame of each object, m.
+    pub objects: Vec<Vector3<f64>>,
+    /// Joint positions of all objects, rad or m.
+    pub object_joints: Vec<f64>,
 }
 
 /// One sole at one instant.

@@ -171,7 +171,7 @@ impl Simulation {
     pub fn begin(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         let run = &mut self.run;
         let rate = observer.sample_rate();
-        run.sampler = (rate > 0.0).then(|| Box::new(Sampler::new(rate, run.duration, &run.plant.state)));
+        run.sampler = (rate > 0.0).then(|| Box::new(Sampler::new(rate, run.duration, &run.plant)));
         run.plant.init_forces().map_err(RunError::internal)?;
         run.apply_due_events(observer)?;
         notify_forces(run, observer)?;

@@ -130,6 +130,9 @@ fn comparison() -> Comparison {
         contact_state_agreement: Some(2.0 / 3.0),
         error_final_position_m: Some(4e-10),
         error_final_rotation_rad: Some(5e-324),
+        error_object_position_rms_m: Some(1e-3),
+        error_object_joint_rms_rad: None,
+        error_final_object_position_m: Some(2e-3),
         truth: vec![
             TruthError { metric: "final_base_x".into(), error: Some(0.7e-6) },
             TruthError { metric: "first_slip_s".into(), error: None },

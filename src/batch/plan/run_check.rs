@@ -16,8 +16,9 @@ use crate::robot::{Robot, RobotError};
 use crate::scenario::{CheckedCell, CheckedCells, Expansion, ForceSpec, InertiaSpec, Run, Severity, TaskSpec};
 use crate::script::time_limited;
 
-/// Numbers of joints and soles, which must be equal for two runs to be compared.
-type Shape = (usize, usize);
+/// Numbers of joints and soles, and the numbers of joints of the objects, which must be equal for two runs
+/// to be compared.
+type Shape = ([usize; 2], Vec<usize>);
 
 /// Checks runs of a file.
 pub(super) struct RunCheck<'a> {
@@ -149,7 +150,7 @@ impl Chunk<'_> {
         let reference = run.reference.take();
         let mut keys = self.keys(&run, &robot, numbers.len() + 1)?;
         let mut reference = match reference {
-            Some(reference) => Some((self.reference_keys(&run, &reference, shape, numbers.len())?, reference)),
+            Some(reference) => Some((self.reference_keys(&run, &reference, &shape, numbers.len())?, reference)),
             None => None,
         };
         let repetition = |number: usize| (number % repeat) as u64;
@@ -174,23 +175,30 @@ impl Chunk<'_> {
     }
 
     /// Keys of the references of a run and its repetitions; the first is judged for all.
-    fn reference_keys(&mut self, of: &Run, run: &Run, shape: Shape, repetitions: usize) -> Checked<RunKeys> {
+    fn reference_keys(&mut self, of: &Run, run: &Run, shape: &Shape, repetitions: usize) -> Checked<RunKeys> {
         let robot = self.robot(run)?;
         let mut keys = self.keys(run, &robot, repetitions)?;
         let key = self.written(run, keys.key(run.scenario.seed))?;
         let other = match self.references.get(&key) {
-            Some(known) => *known,
+            Some(known) => known.clone(),
             None => {
                 let built = self.build(run, &robot)?;
-                self.references.insert(key, built);
+                self.references.insert(key, built.clone());
                 built
             }
         };
-        if other != shape {
-            let message = format!(
-                "the reference's robot has {} joints and {} soles, the run's {} and {}: they cannot be compared",
-                other.0, other.1, shape.0, shape.1
-            );
+        if other != *shape {
+            let ([joints, soles], [own_joints, own_soles]) = (other.0, shape.0);
+            let message = if other.0 == shape.0 {
+                let objects = |joints: &[usize]| format!("{} objects with {joints:?} joints", joints.len());
+                let (its, own) = (objects(&other.1), objects(&shape.1));
+                format!("the reference has {its}, the run {own}: they cannot be compared")
+            } else {
+                format!(
+                    "the reference's robot has {joints} joints and {soles} soles, the run's {own_joints} and \
+                     {own_soles}: they cannot be compared"
+                )
+            };
             let error = of.error_at("compare.reference", message, None);
             self.report(Finding::Scenario(Box::new(error)));
             return None;
@@ -212,7 +220,8 @@ impl Chunk<'_> {
                 if let Some(warning) = log_size::warning(run, &setup) {
                     self.report(Finding::Scenario(Box::new(warning)));
                 }
-                Some((setup.model.nj(), setup.model.soles.len()))
+                let objects = setup.objects.iter().map(|object| object.model.nj()).collect();
+                Some(([setup.model.nj(), setup.model.soles.len()], objects))
             }
             Err(errors) => {
                 errors.0.into_iter().for_each(|error| self.report(Finding::Scenario(Box::new(error))));

@@ -126,7 +126,7 @@ impl<'a> Recorder<'a> {
         };
         let (trajectory, comparator) = match &outputs.track {
             Track::Nothing => (None, None),
-            Track::Keep(rate) => (Some(ReferenceMotion::new(*rate, setup.model.nj(), setup.model.soles.len())), None),
+            Track::Keep(rate) => (Some(blank_motion(*rate, setup)), None),
             Track::Compare(reference) => (None, Some(Comparator::new(reference.clone()))),
         };
         Ok(Recorder {
@@ -189,6 +189,13 @@ impl Observer for Recorder<'_> {
         let written = self.problems.as_mut().map_or(Ok(()), |p| p.write(record).map_err(ObserverError::new));
         self.note_failure(written)
     }
+}
+
+/// The motion of a reference run without samples yet.
+fn blank_motion(rate: f64, setup: &Setup) -> ReferenceMotion {
+    let joints = setup.objects.iter().map(|object| object.model.nj()).sum();
+    let motion = ReferenceMotion::new(rate, setup.model.nj(), setup.model.soles.len());
+    motion.with_objects(setup.objects.len(), joints)
 }
 
 fn drive_recorded(

@@ -38,6 +38,15 @@ pub struct Comparison {
     /// Angle between the base's orientations at the last instant, rad.
     #[serde(with = "number::some_real")]
     pub error_final_rotation_rad: Option<f64>,
+    /// Root mean square distance of the objects' origins, m; none without objects.
+    #[serde(with = "number::some_real", skip_serializing_if = "Option::is_none")]
+    pub error_object_position_rms_m: Option<f64>,
+    /// Root mean square difference over the joints of objects, rad (m where a joint slides); none without.
+    #[serde(with = "number::some_real", skip_serializing_if = "Option::is_none")]
+    pub error_object_joint_rms_rad: Option<f64>,
+    /// Greatest distance of an object's origins at the last instant, m; none without objects.
+    #[serde(with = "number::some_real", skip_serializing_if = "Option::is_none")]
+    pub error_final_object_position_m: Option<f64>,
     /// Distances of metrics from known truths.
     pub truth: Vec<TruthError>,
 }
@@ -73,6 +82,9 @@ impl Comparison {
             Distance::StateAgreement => self.contact_state_agreement,
             Distance::FinalPosition => self.error_final_position_m,
             Distance::FinalRotation => self.error_final_rotation_rad,
+            Distance::ObjectPositionRms => self.error_object_position_rms_m,
+            Distance::ObjectJointRms => self.error_object_joint_rms_rad,
+            Distance::FinalObjectPosition => self.error_final_object_position_m,
         }
     }
 }

@@ -28,16 +28,22 @@ pub struct Sampler {
     /// End of the run, s.
     end: f64,
     sample: Sample,
-    /// The state at the start of a fixed step.
+    /// The states of robot and objects at the start of a fixed step.
     step_start: State,
+    object_starts: Vec<State>,
+    /// Configuration of an object.
+    object: Sample,
     ended: bool,
 }
 
 impl Sampler {
     /// For a run from its present state to `end`.
-    pub fn new(rate: f64, end: f64, state: &State) -> Self {
+    pub fn new(rate: f64, end: f64, plant: &Plant) -> Self {
+        let state = &plant.state;
         let sample = Sample { joints: vec![0.0; state.joints.len()], ..Sample::default() };
-        Sampler { rate, end, sample, step_start: state.clone(), ended: false }
+        let object_starts = plant.objects.list.iter().map(|object| object.state.clone()).collect();
+        let step_start = state.clone();
+        Sampler { rate, end, sample, step_start, object_starts, object: Sample::default(), ended: false }
     }
 
     /// Time of the next sample before the end, s.
@@ -51,12 +57,22 @@ impl Sampler {
         let (state, sample) = (&plant.state, &mut self.sample);
         (sample.time, sample.position, sample.rotation) = (state.time, state.position, state.rotation);
         sample.joints.copy_from_slice(&state.joints);
+        sample.objects.clear();
+        sample.object_joints.clear();
+        for object in &plant.objects.list {
+            sample.objects.push(object.state.position);
+            sample.object_joints.extend_from_slice(&object.state.joints);
+        }
         self.emit(plant, observer)
     }
 
-    /// Stores the state at the start of a fixed step.
-    pub fn begin_step(&mut self, state: &State) {
-        self.step_start.copy_from(state);
+    /// Stores the states at the start of a fixed step.
+    pub fn begin_step(&mut self, plant: &Plant) {
+        self.step_start.copy_from(&plant.state);
+        self.object_starts
+            .iter_mut()
+            .zip(&plant.objects.list)
+            .for_each(|(start, object)| start.copy_from(&object.state));
     }
 
     /// Samples the fixed step that has just ended, from the plant's forces and states at its end.
@@ -64,15 +80,29 @@ impl Sampler {
         let end = plant.state.time;
         // Steps of 1e-3 s add up to an instant up to rounding.
         while let Some(t) = self.next().filter(|t| *t < end - SLIVER * (end - self.step_start.time)) {
-            interpolate(&self.step_start, &plant.state, t, &mut self.sample);
+            self.interpolate(plant, t);
             self.emit(plant, observer)?;
         }
         if end >= self.end && !self.ended {
             self.ended = true;
-            interpolate(&self.step_start, &plant.state, end, &mut self.sample);
+            self.interpolate(plant, end);
             self.emit(plant, observer)?;
         }
         Ok(())
+    }
+
+    /// Configurations at time `t` of the step that has just ended.
+    fn interpolate(&mut self, plant: &Plant, t: f64) {
+        let (sample, part) = (&mut self.sample, &mut self.object);
+        interpolate(&self.step_start, &plant.state, t, sample);
+        sample.objects.clear();
+        sample.object_joints.clear();
+        for (start, object) in self.object_starts.iter().zip(&plant.objects.list) {
+            part.joints.resize(object.state.joints.len(), 0.0);
+            interpolate(start, &object.state, t, part);
+            sample.objects.push(part.position);
+            sample.object_joints.extend_from_slice(&part.joints);
+        }
     }
 
     /// Samples the end of the run, unless its last step has done so.
@@ -80,13 +110,16 @@ impl Sampler {
         if std::mem::replace(&mut self.ended, true) { Ok(()) } else { self.sample_state(plant, observer) }
     }
 
-    /// Adds the plant's forces and states and emits the sample.
+    /// Adds the forces and states of the plant's soles and emits the sample.
     fn emit(&mut self, plant: &Plant, observer: &mut dyn Observer) -> Result<(), RunError> {
         let (floor, sample) = (&plant.floor.rotation, &mut self.sample);
+        // Other links and pairs of bodies, whose number varies, come after the soles.
+        let soles = plant.model.soles.len();
+        let wrenches = plant.solution.wrench.chunks_exact(6).take(soles);
         sample.forces.clear();
-        sample.forces.extend(plant.solution.wrench.chunks_exact(6).map(|w| floor * Vector3::new(w[0], w[1], w[2])));
+        sample.forces.extend(wrenches.map(|w| floor * Vector3::new(w[0], w[1], w[2])));
         sample.states.clear();
-        sample.states.extend_from_slice(&plant.states.0[..plant.problem.soles.len()]);
+        sample.states.extend_from_slice(&plant.states.0[..soles]);
         let emitted = observer.sample(sample).map_err(RunError::internal);
         sample.index += 1;
         emitted

@@ -51,7 +51,7 @@ impl SemiImplicitStepper {
         // These contain the forces of the last step and the new commands.
         sim.emit_due_snapshots(t, observer)?;
         if let Some(sampler) = &mut sim.sampler {
-            sampler.begin_step(&sim.plant.state);
+            sampler.begin_step(&sim.plant);
         }
         sim.plant.within = t + 0.5 * dt;
         let stored = sim.plant.stored().energy;

@@ -186,7 +186,7 @@ impl SlidingMode {
         sim.update_polygons(Some(self.h))?;
         sim.emit_due_snapshots(t0, observer)?;
         if let Some(sampler) = &mut sim.sampler {
-            sampler.begin_step(&sim.plant.state);
+            sampler.begin_step(&sim.plant);
         }
         let logged = sim.log.next().filter(|&t| t >= t0 + Self::SHORTEST);
         let end = logged.map_or(until, |t| t.min(until));
