@@ -8,7 +8,7 @@ use crate::patches::{ConvexBody, touchable_depth};
 use crate::robot::{LinkId, Model};
 use crate::scenario::{Diagnostic, Run, TouchingParts};
 use crate::sim::Floor;
-use crate::sim::bodies::{Body, Friction, Host, Pair, pairs};
+use crate::sim::bodies::{Body, FloorFriction, Host, Pair, pairs};
 use crate::sim::setup::Start;
 use crate::terrain::{Terrain, TerrainPiece};
 use nalgebra::Vector3;
@@ -21,7 +21,8 @@ pub(super) fn robot_bodies(model: &Model, parts: TouchingParts, resolution: usiz
         TouchingParts::Soles => {
             let of_sole = |sole: &crate::robot::Sole| {
                 let shape = flat_body(&sole.vertices)?;
-                Some(Body { name: sole.name.clone(), host: host(sole.link), shape, friction: None })
+                let (name, host) = (sole.name.clone(), host(sole.link));
+                Some(Body { name, host, shape, friction: None, floor: FloorFriction::None })
             };
             model.soles.iter().filter_map(of_sole).collect()
         }
@@ -31,7 +32,8 @@ pub(super) fn robot_bodies(model: &Model, parts: TouchingParts, resolution: usiz
                 let shapes = link.collisions.iter().flat_map(|shape| shape_points(shape, resolution));
                 let points: Vec<Vector3<f64>> = shapes.chain(soles.copied()).collect();
                 let shape = ConvexBody::from_points(&points).or_else(|| flat_body(&points))?;
-                Some(Body { name: link.name.clone(), host: host(LinkId(i)), shape, friction: None })
+                let (name, host) = (link.name.clone(), host(LinkId(i)));
+                Some(Body { name, host, shape, friction: None, floor: FloorFriction::None })
             };
             model.links.iter().enumerate().filter_map(of_link).collect()
         }
@@ -51,14 +53,14 @@ fn flat_body(points: &[Vector3<f64>]) -> Option<ConvexBody> {
 /// The bodies of a run and the pairs that may touch besides terrain: objects with the floor, with each
 /// other and with the robot. Soles and links of the robot touch the floor without these.
 pub(super) fn bodies(robot: Vec<Body>, floor: &Floor, objects: &[Object]) -> (Vec<Body>, Vec<Pair>) {
-    let own = Friction { mu_s: floor.mu_s, mu_k: floor.mu_k };
     let mut bodies = Vec::new();
     if !floor.is_absent {
         bodies.push(Body {
             name: "floor".into(),
             host: Host::World(floor.rotation, floor.point),
             shape: ConvexBody::half_space(),
-            friction: Some(own),
+            friction: None,
+            floor: FloorFriction::Regions,
         });
     }
     bodies.extend(robot);
@@ -68,6 +70,7 @@ pub(super) fn bodies(robot: Vec<Body>, floor: &Floor, objects: &[Object]) -> (Ve
             host: Host::Link(BodyId { mechanism: 1 + o, link: LinkId(0) }),
             shape: object.shape.clone(),
             friction: object.friction,
+            floor: FloorFriction::None,
         });
     }
     let mechanism = |body: &Body| body.link().map(|link| link.mechanism);
@@ -76,7 +79,7 @@ pub(super) fn bodies(robot: Vec<Body>, floor: &Floor, objects: &[Object]) -> (Ve
         // The robot touches the floor with its own polygons, and not itself.
         a != b && (a.is_some_and(|a| a > 0) || b.is_some_and(|b| b > 0))
     };
-    let pairs = pairs::pairs(&bodies, own, may_touch, |_, _| None);
+    let pairs = pairs::pairs(&bodies, may_touch, |_, _| None);
     (bodies, pairs)
 }
 

@@ -69,6 +69,7 @@ fn entry(run: &Run, index: usize, spec: &TerrainSpec) -> Entry {
         position: common.position.into(),
         mu_s: friction.static_,
         mu_k: friction.kinetic,
+        is_like_floor: common.friction.is_none(),
     }
 }
 

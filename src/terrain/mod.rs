@@ -126,6 +126,7 @@ mod tests {
             position: Vector3::zeros(),
             mu_s: 0.8,
             mu_k: 0.6,
+            is_like_floor: false,
         }
     }
 

@@ -53,6 +53,8 @@ pub struct Entry {
     pub mu_s: f64,
     /// Kinetic friction.
     pub mu_k: f64,
+    /// Whether its friction is that of the floor, and changes with it.
+    pub is_like_floor: bool,
 }
 
 impl Entry {
@@ -70,6 +72,7 @@ impl Entry {
             faces: solid.faces.clone(),
             mu_s: self.mu_s,
             mu_k: self.mu_k,
+            is_like_floor: self.is_like_floor,
         }
     }
 }
@@ -89,13 +92,16 @@ pub struct TerrainPiece {
     pub mu_s: f64,
     /// Kinetic friction.
     pub mu_k: f64,
+    /// Whether its friction is that of the floor, and changes with it.
+    pub is_like_floor: bool,
 }
 
 impl TerrainPiece {
     /// A piece with room for a prism of a height field.
     pub fn prism_buffer() -> Self {
         let points = vec![Vector3::zeros(); 6];
-        TerrainPiece { name: "".into(), entry: 0, points, faces: prism_faces([false; 3]), mu_s: 0.0, mu_k: 0.0 }
+        let faces = prism_faces([false; 3]);
+        TerrainPiece { name: "".into(), entry: 0, points, faces, mu_s: 0.0, mu_k: 0.0, is_like_floor: false }
     }
 
     /// Becomes a prism of the entry. Does not allocate in a [`TerrainPiece::prism_buffer`].
@@ -104,6 +110,7 @@ impl TerrainPiece {
             self.name = entry.name.clone();
         }
         (self.entry, self.mu_s, self.mu_k) = (entry.index, entry.mu_s, entry.mu_k);
+        self.is_like_floor = entry.is_like_floor;
         self.points.clear();
         self.points.extend(points.iter().map(|p| entry.to_world(p)));
         let is_prism = self.faces.len() == PRISM_FACES.len()

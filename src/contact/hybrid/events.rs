@@ -11,7 +11,7 @@
 //! | sliding velocity along the reference direction | stick, or reversal |
 //! | height of a vertex over a compliant floor, or its depth | entering or leaving it |
 //! | gap of the nearest point of bodies that is no vertex | touch-down of another point |
-//! | distance of a sliding vertex to the border of its friction region | other friction |
+//! | distance of a sliding or rolling vertex to the border of its friction region | other friction |
 
 use crate::contact::methods::penalty;
 use crate::contact::model::problem::{Problem, TOUCHING, Tolerances};
@@ -47,6 +47,8 @@ pub(crate) struct ContactInForce<'a> {
 pub(crate) trait FrictionBorders {
     /// Vertex `i` of sole `s` projected onto the world's x and y, m.
     fn seen_from_above(&self, s: usize, i: usize) -> Vector2<f64>;
+    /// Whether the vertices of a polygon move while they are static, as the point below a ball does.
+    fn rolls(&self, s: usize) -> bool;
     /// Distance of the vertex to the border of its region, m; negative beyond it.
     fn border(&self, s: usize, i: usize) -> f64;
     /// Fraction of the straight path from `from` to the present position after which the vertex is
@@ -122,6 +124,8 @@ impl EventFunctions {
                     if let Some(regions) = now.regions {
                         self.functions.push(Function::Border(s, i, regions.seen_from_above(s, i)));
                     }
+                } else if let Some(regions) = now.regions.filter(|regions| regions.rolls(s)) {
+                    self.functions.push(Function::Border(s, i, regions.seen_from_above(s, i)));
                 }
             }
             if ends_by_event && state != SoleState::FREE {

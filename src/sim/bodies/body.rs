@@ -16,14 +16,25 @@ pub struct Friction {
 }
 
 impl Friction {
-    /// Friction between two bodies: the smaller coefficients. A body without friction of its own takes
-    /// those of the other.
-    pub fn of_pair(a: Option<Friction>, b: Option<Friction>) -> Option<Friction> {
+    /// The smaller coefficients of both, or those of the only one.
+    pub fn smaller(a: Option<Friction>, b: Option<Friction>) -> Option<Friction> {
         match (a, b) {
             (Some(a), Some(b)) => Some(Friction { mu_s: a.mu_s.min(b.mu_s), mu_k: a.mu_k.min(b.mu_k) }),
             (a, b) => a.or(b),
         }
     }
+}
+
+/// Friction that is that of the floor, and changes with it.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
+pub enum FloorFriction {
+    /// None.
+    #[default]
+    None,
+    /// That of the plane around all patches.
+    Plane,
+    /// That of the region of each point.
+    Regions,
 }
 
 /// What carries a body.
@@ -46,6 +57,8 @@ pub struct Body {
     pub shape: ConvexBody,
     /// Its friction, if it has its own.
     pub friction: Option<Friction>,
+    /// Friction that it has in common with the floor: of the floor itself, and of terrain without its own.
+    pub floor: FloorFriction,
 }
 
 impl Body {
@@ -59,7 +72,8 @@ impl Body {
             name: piece.name.to_string(),
             host: Host::World(Matrix3::identity(), Vector3::zeros()),
             shape,
-            friction: Some(Friction { mu_s: piece.mu_s, mu_k: piece.mu_k }),
+            friction: (!piece.is_like_floor).then_some(Friction { mu_s: piece.mu_s, mu_k: piece.mu_k }),
+            floor: if piece.is_like_floor { FloorFriction::Plane } else { FloorFriction::None },
         })
     }
 

@@ -16,6 +16,6 @@ pub mod body;
 pub mod pair_patch;
 pub mod pairs;
 
-pub use body::{Body, Friction, Host};
+pub use body::{Body, FloorFriction, Friction, Host};
 pub use pair_patch::{PairPatch, Part};
-pub use pairs::Pair;
+pub use pairs::{Pair, PairFriction};

@@ -191,8 +191,13 @@ impl PairPatch {
         &self.parts[part].geometry.points[corner]
     }
 
-    /// Static and kinetic friction of a vertex.
-    pub fn friction(&self, i: usize) -> super::Friction {
+    /// Whether points of contact move over the bodies without sliding: one of them is round.
+    pub fn rolls(&self) -> bool {
+        self.rolls
+    }
+
+    /// Friction of a vertex.
+    pub fn friction(&self, i: usize) -> super::PairFriction {
         self.parts[self.vertices[i].0].pair.friction
     }
 

@@ -4,6 +4,7 @@ use super::link_contacts::LinkContacts;
 use super::pair_contacts::PairContacts;
 use crate::contact::hybrid::events::{ContactGaps, ContactInForce, EventFunctions, FrictionBorders, sinks};
 use crate::contact::model::state::MAX_SOLES;
+use crate::sim::bodies::PairPatch;
 use crate::sim::plant::Plant;
 use crate::sim::run::RunState;
 use nalgebra::Vector2;
@@ -13,12 +14,17 @@ impl FrictionBorders for Plant {
         Plant::seen_from_above(self, s, i)
     }
 
+    fn rolls(&self, s: usize) -> bool {
+        self.polygons[s].pair().is_some_and(PairPatch::rolls)
+    }
+
     fn border(&self, s: usize, i: usize) -> f64 {
         Plant::border(self, s, i)
     }
 
     fn crossing(&self, s: usize, i: usize, from: &Vector2<f64>) -> Option<f64> {
-        self.floor.exit_from(self.region(s, i), from, &Plant::seen_from_above(self, s, i))
+        let to = Plant::seen_from_above(self, s, i);
+        self.floor.exit_from(self.region(s, i), from, &to).filter(|_| self.has_region(s, i))
     }
 }
 

@@ -170,7 +170,9 @@ impl RunState {
         self.anchors = origins.carry(&sizes, &self.anchors, Vector3::zeros());
         for (s, &k) in sizes.iter().enumerate() {
             let fresh = |i: usize| origins.of_vertex(s, i).is_none();
-            (0..k).filter(|i| fresh(*i)).for_each(|i| self.plant.begin_friction(s, i));
+            for i in 0..k {
+                if fresh(i) { self.plant.begin_friction(s, i) } else { self.plant.continue_friction(s, i) }
+            }
             (0..k).filter(|i| fresh(*i)).for_each(|i| anchor_vertex(self, s, i));
             self.carry_wrench(s, k, origins, &before);
         }

@@ -10,7 +10,7 @@
 //! with the centre c and the radius r of the sphere.
 
 use crate::dynamics::reduced::BodyId;
-use crate::sim::bodies::{Body, Friction, Pair};
+use crate::sim::bodies::{Body, Pair, PairFriction};
 use crate::sim::plant::Plant;
 use crate::terrain::{PieceRef, Terrain, TerrainPiece};
 use nalgebra::Vector3;
@@ -97,8 +97,7 @@ impl TerrainPairs {
                     Some(plant.bodies.len() - 1)
                 });
                 let Some(body) = *body else { continue };
-                let friction = Friction::of_pair(plant.bodies[moving.body].friction, plant.bodies[body].friction);
-                let Some(friction) = friction else { continue };
+                let friction = PairFriction::of(&plant.bodies[moving.body], &plant.bodies[body]);
                 pairs.push(Pair { bodies: (moving.body, body), links: (moving.link, None), friction });
             }
         }

@@ -1,7 +1,8 @@
-//! Friction of the vertices: each has the friction of its region of the floor, see
-//! [`VertexRegion`], or that of its pair of bodies.
+//! Friction of the vertices: those on the floor have the friction of their region, see
+//! [`VertexRegion`], those of pairs of bodies that of both ([`crate::sim::bodies::PairFriction`]).
 
 use super::Plant;
+use crate::sim::bodies::{Friction, PairPatch};
 use crate::sim::floor::friction_regions::RegionId;
 use crate::sim::floor::patch::border_width;
 use crate::sim::floor::vertex_region::VertexRegion;
@@ -19,9 +20,14 @@ impl Plant {
         self.regions[s][i].region
     }
 
+    /// Whether the friction of a vertex depends on its region of the floor.
+    pub fn has_region(&self, s: usize, i: usize) -> bool {
+        self.polygons[s].pair().is_none_or(|patch| patch.friction(i).has_regions())
+    }
+
     /// Positive until a vertex has left its region, m.
     pub fn border(&self, s: usize, i: usize) -> f64 {
-        if self.polygons[s].pair().is_some() {
+        if !self.has_region(s, i) {
             return f64::INFINITY;
         }
         let (vertex, p) = (&self.regions[s][i], self.seen_from_above(s, i));
@@ -31,7 +37,7 @@ impl Plant {
     /// Updates a vertex's friction. Returns whether its region changed. An unclamped vertex has no
     /// history.
     pub fn update_friction(&mut self, s: usize, i: usize) -> bool {
-        if self.polygons[s].pair().is_some() {
+        if !self.has_region(s, i) {
             return false;
         }
         let clamped = self.states[s].clamps(i, self.problem.soles[s].vertices.len());
@@ -48,23 +54,34 @@ impl Plant {
         } else if changed {
             vertex.enter(region, self.state.time);
         }
-        let v = &mut self.problem.soles[s].vertices[i];
-        (v.mu_s, v.mu_k) = self.floor.friction(region);
+        self.set_friction(s, i);
         changed
     }
 
     /// Gives a new vertex the friction of its region. Needs the vertices.
     pub fn begin_friction(&mut self, s: usize, i: usize) {
-        if let Some(patch) = self.polygons[s].pair() {
-            let v = &mut self.problem.soles[s].vertices[i];
-            let friction = patch.friction(i);
-            (v.mu_s, v.mu_k) = (friction.mu_s, friction.mu_k);
-            return;
-        }
-        let region = self.floor.region(&self.seen_from_above(s, i));
+        let region = if self.has_region(s, i) { self.floor.region(&self.seen_from_above(s, i)) } else { None };
         self.regions[s][i] = VertexRegion::new(region);
+        self.set_friction(s, i);
+    }
+
+    /// Gives a vertex that remains in other patches the friction of the pair to which it belongs now.
+    pub fn continue_friction(&mut self, s: usize, i: usize) {
+        if self.has_region(s, i) {
+            self.set_friction(s, i);
+        } else {
+            self.begin_friction(s, i);
+        }
+    }
+
+    /// Sets the coefficients of a vertex in its region.
+    fn set_friction(&mut self, s: usize, i: usize) {
+        let (mu_s, mu_k) = self.floor.friction(self.regions[s][i].region);
+        let floor = Friction { mu_s, mu_k };
+        let with = |patch: &PairPatch| patch.friction(i).with(floor);
+        let friction = self.polygons[s].pair().map_or(floor, with);
         let v = &mut self.problem.soles[s].vertices[i];
-        (v.mu_s, v.mu_k) = self.floor.friction(region);
+        (v.mu_s, v.mu_k) = (friction.mu_s, friction.mu_k);
     }
 
     /// Assigns every vertex the friction of its region and forgets its history. Needs the vertices.
