@@ -45,12 +45,27 @@ impl ConvexBody {
         })
     }
 
-    /// The convex hull of points, m; `None` for points without volume. For set-up and tests: the
-    /// effort grows with the square of the number of points.
+    /// The convex hull of points, m; `None` for points without volume. Points that are equal up to
+    /// rounding count once. For set-up and tests: the effort grows with the square of the number of
+    /// points.
     pub fn from_points(points: &[Vector3<f64>]) -> Option<Self> {
-        let triangles = convex_hull(points)?;
-        Self::from_hull(points, &triangles)
+        let points = distinct(points);
+        let triangles = convex_hull(&points)?;
+        Self::from_hull(&points, &triangles)
     }
+}
+
+/// Points without those nearer to an earlier one than the resolution of planes. Two corners at one
+/// place would make edges without a direction.
+fn distinct(points: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let size = points.iter().map(|p| (p - points[0]).norm()).fold(0.0, f64::max);
+    let mut kept: Vec<Vector3<f64>> = Vec::with_capacity(points.len());
+    for p in points {
+        if kept.iter().all(|q| (p - q).norm() > COPLANAR * size) {
+            kept.push(*p);
+        }
+    }
+    kept
 }
 
 fn all_in(ring: &[u16], known: &[u16]) -> bool {

@@ -40,6 +40,18 @@ fn distance_and_owner(pair: &Pair) -> (f64, Option<Owner>) {
 }
 
 #[test]
+fn points_that_are_equal_up_to_rounding_are_one_corner() {
+    let body = unit();
+    for shift in [0.0, 1e-17, -3e-17, 1e-12] {
+        let again = body.vertices.iter().map(|v| v + Vector3::new(shift, -shift, shift));
+        let points: Vec<_> = body.vertices.iter().copied().chain(again).collect();
+        let hull = ConvexBody::from_points(&points).unwrap();
+        assert_eq!((hull.vertices.len(), hull.edges.len(), hull.faces.len()), (8, 12, 6), "{shift:e}");
+        assert!(hull.faces.iter().all(|face| face.corners.len() == 4));
+    }
+}
+
+#[test]
 fn bodies_have_the_features_of_their_shapes() {
     let points: Vec<_> = unit().vertices.iter().map(|v| turn(Vector3::new(0.3, 0.7, 0.1)) * v).collect();
     for body in [unit(), ConvexBody::from_points(&points).unwrap()] {
