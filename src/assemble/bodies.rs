@@ -5,10 +5,11 @@ use crate::collision::spatial::shape_points;
 use crate::dynamics::reduced::{BodyId, Mechanisms};
 use crate::dynamics::{State, Workspace, kinematics};
 use crate::patches::{ConvexBody, touchable_depth};
-use crate::robot::{LinkId, Model};
+use crate::robot::{Base, LinkId, Model};
 use crate::scenario::{Diagnostic, Run, TouchingParts};
 use crate::sim::Floor;
 use crate::sim::bodies::{Body, FloorFriction, Host, Pair, pairs};
+use crate::sim::plant::objects::named_links;
 use crate::sim::setup::Start;
 use crate::terrain::{Terrain, TerrainPiece};
 use nalgebra::Vector3;
@@ -21,23 +22,36 @@ pub(super) fn robot_bodies(model: &Model, parts: TouchingParts, resolution: usiz
         TouchingParts::Soles => {
             let of_sole = |sole: &crate::robot::Sole| {
                 let shape = flat_body(&sole.vertices)?;
-                let (name, host) = (sole.name.clone(), host(sole.link));
-                Some(Body { name, host, shape, friction: None, floor: FloorFriction::None })
+                Some(Body {
+                    name: sole.name.clone(),
+                    host: host(sole.link),
+                    shape,
+                    friction: None,
+                    floor: FloorFriction::None,
+                })
             };
             model.soles.iter().filter_map(of_sole).collect()
         }
         TouchingParts::Bodies => {
-            let of_link = |(i, link): (usize, &crate::robot::Link)| {
-                let soles = model.soles.iter().filter(|sole| sole.link.0 == i).flat_map(|sole| &sole.vertices);
-                let shapes = link.collisions.iter().flat_map(|shape| shape_points(shape, resolution));
-                let points: Vec<Vector3<f64>> = shapes.chain(soles.copied()).collect();
-                let shape = ConvexBody::from_points(&points).or_else(|| flat_body(&points))?;
-                let (name, host) = (link.name.clone(), host(LinkId(i)));
-                Some(Body { name, host, shape, friction: None, floor: FloorFriction::None })
+            let body = |(link, shape): (LinkId, ConvexBody)| {
+                let name = model.links[link.0].name.clone();
+                Body { name, host: host(link), shape, friction: None, floor: FloorFriction::None }
             };
-            model.links.iter().enumerate().filter_map(of_link).collect()
+            link_hulls(model, resolution).into_iter().map(body).collect()
         }
     }
+}
+
+/// Convex hulls of the collision shapes of all links, to which the soles belong. `resolution` is the
+/// number of corners to a circle.
+pub(super) fn link_hulls(model: &Model, resolution: usize) -> Vec<(LinkId, ConvexBody)> {
+    let of_link = |(i, link): (usize, &crate::robot::Link)| {
+        let soles = model.soles.iter().filter(|sole| sole.link.0 == i).flat_map(|sole| &sole.vertices);
+        let shapes = link.collisions.iter().flat_map(|shape| shape_points(shape, resolution));
+        let points: Vec<Vector3<f64>> = shapes.chain(soles.copied()).collect();
+        Some((LinkId(i), ConvexBody::from_points(&points).or_else(|| flat_body(&points))?))
+    };
+    model.links.iter().enumerate().filter_map(of_link).collect()
 }
 
 /// A convex polygon, a line or a point.
@@ -52,7 +66,7 @@ fn flat_body(points: &[Vector3<f64>]) -> Option<ConvexBody> {
 
 /// The bodies of a run and the pairs that may touch besides terrain: objects with the floor, with each
 /// other and with the robot. Soles and links of the robot touch the floor without these.
-pub(super) fn bodies(robot: Vec<Body>, floor: &Floor, objects: &[Object]) -> (Vec<Body>, Vec<Pair>) {
+pub(super) fn bodies(model: &Model, robot: Vec<Body>, floor: &Floor, objects: &[Object]) -> (Vec<Body>, Vec<Pair>) {
     let mut bodies = Vec::new();
     if !floor.is_absent {
         bodies.push(Body {
@@ -65,19 +79,26 @@ pub(super) fn bodies(robot: Vec<Body>, floor: &Floor, objects: &[Object]) -> (Ve
     }
     bodies.extend(robot);
     for (o, object) in objects.iter().enumerate() {
-        bodies.push(Body {
-            name: object.setup.name.clone(),
-            host: Host::Link(BodyId { mechanism: 1 + o, link: LinkId(0) }),
-            shape: object.shape.clone(),
+        let links = named_links(std::iter::once((&*object.setup.name, &*object.setup.model)));
+        bodies.extend(object.bodies.iter().map(|(link, shape)| Body {
+            name: links[link.0].name.clone(),
+            host: Host::Link(BodyId { mechanism: 1 + o, link: *link }),
+            shape: shape.clone(),
             friction: object.friction,
             floor: FloorFriction::None,
-        });
+        }));
     }
     let mechanism = |body: &Body| body.link().map(|link| link.mechanism);
+    // A fixed root moves as little as the world.
+    let is_fixed = |body: &Body| {
+        let Some(BodyId { mechanism, link }) = body.link() else { return true };
+        let model = mechanism.checked_sub(1).map_or(model, |o| &objects[o].setup.model);
+        link == LinkId(0) && model.base == Base::Fixed
+    };
     let may_touch = |a: &Body, b: &Body| {
-        let (a, b) = (mechanism(a), mechanism(b));
-        // The robot touches the floor with its own polygons, and not itself.
-        a != b && (a.is_some_and(|a| a > 0) || b.is_some_and(|b| b > 0))
+        let (one, other) = (mechanism(a), mechanism(b));
+        // The robot touches the floor with its own polygons. No mechanism touches itself.
+        one != other && one.max(other).is_some_and(|m| m > 0) && !(is_fixed(a) && is_fixed(b))
     };
     let pairs = pairs::pairs(&bodies, may_touch, |_, _| None);
     (bodies, pairs)
@@ -121,7 +142,7 @@ pub(super) fn overlap(
         found.extend(depth(a, b).map(|depth| (depth, a.name.clone(), b.name.clone(), key)));
     }
     let mut buffer = TerrainPiece::prism_buffer();
-    for body in bodies.iter().filter(|body| body.link().is_some()) {
+    for body in bodies.iter().filter(|body| body.moves(mechanisms)) {
         let centre = body.placement(mechanisms).point(&body.shape.centre);
         let reach = Vector3::repeat(body.shape.radius);
         let mut near = Vec::new();

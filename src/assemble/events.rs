@@ -1,5 +1,6 @@
 //! Creates the changes of a run's events from the scenario after each event.
 
+use crate::assemble::objects::Object;
 use crate::assemble::{floor, forces, model, pairing};
 use crate::robot::{Model, Robot};
 use crate::scenario::{Diagnostic, Event, ForceSpec, Run, ScriptForce};
@@ -12,6 +13,7 @@ pub(super) fn changes(
     run: &Run,
     robot: &Robot,
     model: &Model,
+    objects: &[Object],
     errors: &mut Vec<Diagnostic>,
 ) -> (Vec<ScenarioEvent>, usize) {
     // In the order of saving, so that later names change no index.
@@ -58,7 +60,8 @@ pub(super) fn changes(
             }
         }
         if !changed_forces.is_empty() {
-            let forces = forces::forces(&current_run(&run.events[..=k]), &model, errors).into_iter().enumerate();
+            let forces =
+                forces::forces(&current_run(&run.events[..=k]), &model, objects, errors).into_iter().enumerate();
             change.forces = forces.filter(|(i, _)| changed_forces.binary_search(i).is_ok()).collect();
         }
         if !errors.is_empty() {

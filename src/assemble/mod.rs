@@ -13,6 +13,7 @@ pub mod log_size;
 mod mocap;
 mod model;
 mod names;
+pub mod object_models;
 mod objects;
 mod pairing;
 mod planned;
@@ -40,12 +41,20 @@ use crate::sim::setup::{ContactSetup, Forced, IntegratorSetup, Setup};
 use nalgebra::{Rotation3, Vector3};
 use std::sync::Arc;
 
-/// Builds the setup of a run.
+/// Builds the setup of a run, whose objects' models it loads from their files.
 ///
 /// # Errors
 /// Each joint, link, sole or value of the scenario that does not fit the robot, with its position
-/// in the file.
+/// in the file; a model of an object that cannot be loaded.
 pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
+    setup_with(run, robot, &object_models::load(run)?)
+}
+
+/// As [`setup`], with the loaded models of the run's objects, in their order.
+///
+/// # Errors
+/// See [`setup`].
+pub fn setup_with(run: &Run, robot: &Robot, models: &[Arc<Robot>]) -> Result<Setup, Diagnostics> {
     let (mut notes, mut errors) = (Vec::new(), Vec::new());
     let model = model::adjusted_model(run, robot, &mut errors);
     let s = &run.scenario;
@@ -53,8 +62,8 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     let plane = s.floor.plane.then_some(Plane { rotation: floor.rotation, point: floor.point });
     let terrain = terrain::terrain(run, plane, &mut notes, &mut errors);
     let start = start::start(run, &model, &floor, &mut errors);
-    let objects = objects::objects(run);
-    let forces = forces::forces(run, &model, &mut errors);
+    let objects = objects::objects(run, models, &mut notes, &mut errors);
+    let forces = forces::forces(run, &model, &objects, &mut errors);
     let carried_objects = forces::loads(run, &model, &mut errors);
     let tasks = tasks::tasks(run, &model, &start, &mut notes, &mut errors);
     let self_collision = self_contact::self_contact(run, robot, &model, &start, &mut notes, &mut errors);
@@ -79,7 +88,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     log_size::check(run, &model, &mut errors);
     // Errors at the start would be reported again for each event.
     let (events, saved_states) =
-        if errors.is_empty() { events::changes(run, robot, &model, &mut errors) } else { Default::default() };
+        if errors.is_empty() { events::changes(run, robot, &model, &objects, &mut errors) } else { Default::default() };
     if !errors.is_empty() {
         return Err(Diagnostics(names::limit_errors(errors)));
     }
@@ -95,7 +104,7 @@ pub fn setup(run: &Run, robot: &Robot) -> Result<Setup, Diagnostics> {
     let bodies = if objects.is_empty() && terrain.is_empty() {
         Default::default()
     } else {
-        bodies::bodies(touching, &floor, &objects)
+        bodies::bodies(&model, touching, &floor, &objects)
     };
     if let Some(error) = bodies::overlap(run, &model, &start, &objects, &bodies, &terrain) {
         return Err(Diagnostics(vec![error]));

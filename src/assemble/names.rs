@@ -19,6 +19,36 @@ pub(super) fn limit_errors(mut errors: Vec<Diagnostic>) -> Vec<Diagnostic> {
     errors
 }
 
+/// What the robot is called in messages.
+const ROBOT: &str = "robot";
+
+/// A mechanism whose names a scenario uses: the robot or an object.
+#[derive(Clone, Copy)]
+pub(super) struct Owner<'a> {
+    pub model: &'a Model,
+    /// `robot` or `object`, for messages.
+    pub kind: &'static str,
+}
+
+impl<'a> Owner<'a> {
+    /// The robot.
+    pub fn robot(model: &'a Model) -> Self {
+        Owner { model, kind: ROBOT }
+    }
+
+    /// Name of a link or end effector in events: of an object with its name before it.
+    pub fn part(&self, name: &str) -> String {
+        if self.kind == ROBOT { name.to_owned() } else { format!("{}/{name}", self.model.name) }
+    }
+}
+
+/// As "the robot `name`".
+impl std::fmt::Display for Owner<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "the {} `{}`", self.kind, self.model.name)
+    }
+}
+
 /// Joint indices of named values; unknown names are errors at their keys under `path`.
 pub(super) fn joints<'a>(
     model: &Model,
@@ -27,13 +57,25 @@ pub(super) fn joints<'a>(
     named: impl Iterator<Item = (&'a String, &'a f64)>,
     errors: &mut Vec<Diagnostic>,
 ) -> Vec<(JointId, f64)> {
+    joints_of(Owner::robot(model), run, path, named, errors)
+}
+
+/// As [`joints`], of any mechanism.
+pub(super) fn joints_of<'a>(
+    owner: Owner,
+    run: &Run,
+    path: &str,
+    named: impl Iterator<Item = (&'a String, &'a f64)>,
+    errors: &mut Vec<Diagnostic>,
+) -> Vec<(JointId, f64)> {
+    let model = owner.model;
     let mut found = Vec::new();
     for (name, &value) in named {
         match model.joint(name) {
             Some(id) => found.push((id, value)),
             None => {
                 let help = suggest(name, model.joints.iter().map(|j| j.name.as_str()));
-                let message = format!("the robot `{}` has no joint `{name}`", model.name);
+                let message = format!("{owner} has no joint `{name}`");
                 errors.push(run.error_at_key(&format!("{path}.{}", segment(name)), message, Some(help)));
             }
         }
@@ -87,25 +129,24 @@ pub(super) fn note_ignored_commands(run: &Run, model: &Model, path: &str, joints
 
 /// The link named at `path`, with the pose of its URDF frame in the carrying link's internal frame;
 /// an unknown one is an error there.
-pub(super) fn link(
-    model: &Model,
+fn link(
+    owner: Owner,
     run: &Run,
     path: &str,
     name: &str,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<(LinkId, Isometry3<f64>)> {
-    let found = model.link(name);
+    let found = owner.model.link(name);
     if found.is_none() {
-        let help = suggest(name, crate::script::links(model).map(|(name, ..)| name).collect::<Vec<_>>());
-        let message = format!("the robot `{}` has no link `{name}`", model.name);
-        errors.push(run.error_at(path, message, Some(help)));
+        let help = suggest(name, crate::script::links(owner.model).map(|(name, ..)| name).collect::<Vec<_>>());
+        errors.push(run.error_at(path, format!("{owner} has no link `{name}`"), Some(help)));
     }
     found
 }
 
-/// The frame in which a force acts on the robot.
+/// The frame in which a force acts on the robot or an object.
 pub(super) struct GripFrame {
-    /// Name of its link or end effector.
+    /// Name of its link or end effector; of an object with its name before it.
     pub name: String,
     /// The carrying link.
     pub link: LinkId,
@@ -113,60 +154,68 @@ pub(super) struct GripFrame {
     pub pose: Isometry3<f64>,
 }
 
-/// The frame of the link or end effector that the force entry `i` names; an unknown one is an error
-/// at its position.
+/// The frame of the link or end effector that the force entry `i` names, or of the root link of the object
+/// that it names alone; an unknown or fixed one is an error at its position.
 pub(super) fn grip_frame(
-    model: &Model,
+    owner: Owner,
     run: &Run,
     i: usize,
     spec: &ForceSpec,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<GripFrame> {
     let grip = spec.grip()?;
+    let model = owner.model;
     if let Some(name) = grip.link {
-        let (link, pose) = moving_link(model, run, &format!("force.{i}.link"), name, errors)?;
-        return Some(GripFrame { name: name.to_owned(), link, pose });
+        let (link, pose) = moving_link(owner, run, &format!("force.{i}.link"), name, errors)?;
+        return Some(GripFrame { name: owner.part(name), link, pose });
     }
-    let name = grip.end_effector?;
+    let Some(name) = grip.end_effector else { return root_frame(owner, run, i, errors) };
     let found = model.end_effectors.iter().find(|e| e.name == name);
     if found.is_none() {
         let help = match model.end_effectors.is_empty() {
             true => "its robot file has no `[[end_effector]]`".to_owned(),
             false => suggest(name, model.end_effectors.iter().map(|e| e.name.as_str())),
         };
-        let message = format!("the robot `{}` has no end effector `{name}`", model.name);
+        let message = format!("{owner} has no end effector `{name}`");
         errors.push(run.error_at(&format!("force.{i}.end_effector"), message, Some(help)));
     }
     let found = found?;
-    require_moving(model, run, &format!("force.{i}.end_effector"), name, found.link, errors)?;
-    Some(GripFrame { name: name.to_owned(), link: found.link, pose: found.pose })
+    require_moving(owner, run, &format!("force.{i}.end_effector"), name, found.link, errors)?;
+    Some(GripFrame { name: owner.part(name), link: found.link, pose: found.pose })
+}
+
+/// The frame of the root link of the object that the force entry `i` names; a fixed one is an error there.
+pub(super) fn root_frame(owner: Owner, run: &Run, i: usize, errors: &mut Vec<Diagnostic>) -> Option<GripFrame> {
+    let root = &owner.model.links[0];
+    require_moving(owner, run, &format!("force.{i}.object"), &root.name, LinkId(0), errors)?;
+    Some(GripFrame { name: owner.model.name.clone(), link: LinkId(0), pose: root.urdf_frame })
 }
 
 /// As [`link`], for links that a force can move: not a fixed root, nor a link welded to it.
 pub(super) fn moving_link(
-    model: &Model,
+    owner: Owner,
     run: &Run,
     path: &str,
     name: &str,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<(LinkId, Isometry3<f64>)> {
-    let found = link(model, run, path, name, errors)?;
-    require_moving(model, run, path, name, found.0, errors)?;
+    let found = link(owner, run, path, name, errors)?;
+    require_moving(owner, run, path, name, found.0, errors)?;
     Some(found)
 }
 
 /// `None`, with an error at `path`, if the link that carries `name` is fixed.
 fn require_moving(
-    model: &Model,
+    owner: Owner,
     run: &Run,
     path: &str,
     name: &str,
     link: LinkId,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<()> {
-    if model.base == Base::Fixed && link == LinkId(0) {
-        let message = format!("`{name}` of the robot `{}` is fixed and cannot move", model.name);
-        let names = crate::script::links(model).filter(|(_, id, _)| *id != LinkId(0)).map(|(name, ..)| name);
+    if owner.model.base == Base::Fixed && link == LinkId(0) {
+        let message = format!("`{name}` of {owner} is fixed and cannot move");
+        let names = crate::script::links(owner.model).filter(|(_, id, _)| *id != LinkId(0)).map(|(name, ..)| name);
         let help = format!("links that move: {}", names.collect::<Vec<_>>().join(", "));
         errors.push(run.error_at(path, message, Some(help)));
         return None;

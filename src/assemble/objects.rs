@@ -1,51 +1,140 @@
 //! Objects of a scenario: their models, initial states and shapes.
 
+use super::object_models;
 use crate::dynamics::State;
+use crate::geometry::polyhedron::{self, Moments};
+use crate::mesh;
 use crate::patches::ConvexBody;
-use crate::robot::{Base, Geometry, Link, Model, SensorFrames, Shape};
-use crate::scenario::{ObjectSpec, Run};
+use crate::robot::{Base, Geometry, Link, LinkId, Model, Robot, SensorFrames, Shape};
+use crate::scenario::{Diagnostic, MeshObject, ObjectEntry, ObjectSpec, Run};
 use crate::sim::bodies::Friction;
 use crate::sim::plant::ObjectSetup;
 use crate::task::Command;
-use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
+use crate::terrain::mesh_shapes;
+use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Colour of objects in views.
 const COLOUR: [f32; 4] = [0.85, 0.55, 0.25, 1.0];
 
+/// Greatest coordinate of a mesh, m.
+const MAX_COORDINATE: f64 = 1e6;
+
 /// An object and what touches of it.
 pub(super) struct Object {
     pub setup: ObjectSetup,
-    /// Shape of its root link.
-    pub shape: ConvexBody,
+    /// Convex bodies and the links that carry them.
+    pub bodies: Vec<(LinkId, ConvexBody)>,
     /// Its own friction.
     pub friction: Option<Friction>,
 }
 
-/// The objects of a run.
-pub(super) fn objects(run: &Run) -> Vec<Object> {
-    run.scenario.object.iter().enumerate().map(|(i, spec)| object(spec, spec.name(i))).collect()
+/// The objects of a run. `models` are those of its objects of type `model`, in their order. One that
+/// cannot be used is an error at its position, and left out.
+pub(super) fn objects(
+    run: &Run,
+    models: &[Arc<Robot>],
+    notes: &mut Vec<String>,
+    errors: &mut Vec<Diagnostic>,
+) -> Vec<Object> {
+    let mut models = models.iter();
+    let mut objects = Vec::new();
+    for (i, spec) in run.scenario.object.iter().enumerate() {
+        let name = spec.name(i);
+        let object = match spec {
+            ObjectSpec::Model(model) => {
+                models.next().map(|robot| object_models::object(run, i, name, model, &spec.entry(), robot, errors))
+            }
+            ObjectSpec::Mesh(mesh) => {
+                mesh_solid(run, i, mesh, notes, errors).map(|solid| object(&spec.entry(), name, solid))
+            }
+            ObjectSpec::Box(block) => {
+                let size = Vector3::from(block.size);
+                let squares = size.component_mul(&size);
+                let inertia = Vector3::new(squares.y + squares.z, squares.x + squares.z, squares.x + squares.y) / 12.0;
+                let shape = ConvexBody::cuboid(size * 0.5);
+                Some(object(&spec.entry(), name, Solid::centred(shape, Geometry::Box(size), block.mass, inertia)))
+            }
+            ObjectSpec::Sphere(ball) => {
+                let inertia = Vector3::repeat(0.4 * ball.radius * ball.radius);
+                let (shape, geometry) = (ConvexBody::ball(ball.radius), Geometry::Sphere(ball.radius));
+                Some(object(&spec.entry(), name, Solid::centred(shape, geometry, ball.mass, inertia)))
+            }
+            ObjectSpec::Capsule(capsule) => {
+                let (r, l) = (capsule.radius, capsule.length);
+                let (shape, geometry) = (ConvexBody::capsule(0.5 * l, r), Geometry::Capsule(r, l));
+                Some(object(&spec.entry(), name, Solid::centred(shape, geometry, capsule.mass, capsule_inertia(r, l))))
+            }
+        };
+        objects.extend(object);
+    }
+    objects
 }
 
-fn object(spec: &ObjectSpec, name: String) -> Object {
-    let (shape, geometry, mass, inertia) = match spec {
-        ObjectSpec::Box(spec) => {
-            let size = Vector3::from(spec.size);
-            let squares = size.component_mul(&size);
-            let inertia = Vector3::new(squares.y + squares.z, squares.x + squares.z, squares.x + squares.y) / 12.0;
-            (ConvexBody::cuboid(size * 0.5), Geometry::Box(size), spec.mass, inertia)
-        }
-        ObjectSpec::Sphere(spec) => {
-            let inertia = Vector3::repeat(0.4 * spec.radius * spec.radius);
-            (ConvexBody::ball(spec.radius), Geometry::Sphere(spec.radius), spec.mass, inertia)
-        }
-        ObjectSpec::Capsule(spec) => {
-            let (r, l) = (spec.radius, spec.length);
-            let geometry = Geometry::Capsule(r, l);
-            (ConvexBody::capsule(0.5 * l, r), geometry, spec.mass, capsule_inertia(r, l))
-        }
+/// A single body: shape, mass, centre of mass, inertia about it per mass.
+struct Solid {
+    shape: ConvexBody,
+    geometry: Geometry,
+    mass: f64,
+    com: Vector3<f64>,
+    inertia: Matrix3<f64>,
+}
+
+impl Solid {
+    /// With its principal axes along those of its frame, at its centre of mass.
+    fn centred(shape: ConvexBody, geometry: Geometry, mass: f64, inertia: Vector3<f64>) -> Self {
+        Solid { shape, geometry, mass, com: Vector3::zeros(), inertia: Matrix3::from_diagonal(&inertia) }
+    }
+}
+
+/// The convex hull of a mesh; `None` after an error, which goes to `errors`.
+fn mesh_solid(
+    run: &Run,
+    i: usize,
+    spec: &MeshObject,
+    notes: &mut Vec<String>,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<Solid> {
+    let path = format!("object.{i}");
+    let input = run.input(&format!("{path}.file"))?;
+    let mut refuse = |message: String| {
+        let message = format!("{}: {message}", input.path.display());
+        errors.push(run.error_at(&format!("{path}.file"), message, None));
+        None
     };
+    let decoded = match mesh::decode(&input.bytes, &input.path) {
+        Ok(decoded) => decoded,
+        Err(error) => return refuse(error.to_string()),
+    };
+    let scaled = decoded.scaled(&Vector3::repeat(spec.scale));
+    let is_bounded = |points: &[Point3<f64>]| points.iter().all(|p| p.coords.amax() <= MAX_COORDINATE);
+    let Some((points, _)) = scaled.filter(|(points, _)| is_bounded(points)) else {
+        return refuse(format!("at the scale {} it has coordinates beyond {MAX_COORDINATE} m", spec.scale));
+    };
+    let points: Vec<Vector3<f64>> = points.iter().map(|p| p.coords).collect();
+    let flat = "it is flat, so its convex hull has no volume";
+    let Some(hull) = mesh_shapes::hull(&points) else { return refuse(flat.to_owned()) };
+    let indices: Vec<[u16; 3]> = hull
+        .faces
+        .iter()
+        .flat_map(|face| face.corners.windows(2).skip(1).map(|edge| [face.corners[0], edge[0], edge[1]]))
+        .collect();
+    let triangles = indices.iter().map(|triangle| triangle.map(|k| hull.points[usize::from(k)]));
+    let (Some(Moments { centre, inertia, .. }), Some(shape)) =
+        (polyhedron::moments(triangles), ConvexBody::from_points(&hull.points))
+    else {
+        return refuse(flat.to_owned());
+    };
+    notes.extend(decoded.remark.map(|remark| format!("{path}: {}: {remark}", input.path.display())));
+    let vertices = hull.points.iter().map(|p| Point3::from(*p)).collect();
+    let geometry = Geometry::Mesh(vertices, indices.iter().map(|t| t.map(u32::from)).collect());
+    Some(Solid { shape, geometry, mass: spec.mass, com: centre, inertia })
+}
+
+/// An object of one body.
+fn object(entry: &ObjectEntry, name: String, solid: Solid) -> Object {
+    let Solid { shape, geometry, mass, com, inertia } = solid;
     let shown = Shape { pose: Isometry3::identity(), geometry, rgba: COLOUR };
     let link = Link {
         name: name.clone(),
@@ -53,8 +142,8 @@ fn object(spec: &ObjectSpec, name: String) -> Object {
         rotation: Matrix3::identity(),
         offset: Vector3::zeros(),
         mass,
-        com: Vector3::zeros(),
-        inertia: Matrix3::from_diagonal(&(inertia * mass)),
+        com,
+        inertia: inertia * mass,
         urdf_frame: Isometry3::identity(),
         merged: Vec::new(),
         visuals: vec![shown.clone()],
@@ -70,16 +159,28 @@ fn object(spec: &ObjectSpec, name: String) -> Object {
         sensors: SensorFrames::default(),
         home: Vec::new(),
     };
-    let entry = spec.entry();
-    let mut state = State::home(&model);
+    let state = initial_state(&model, entry);
+    let command = Command::hold(&model, &[]);
+    let setup = ObjectSetup { name, model: Arc::new(model), state, command, joint_stops: true };
+    Object { setup, bodies: vec![(LinkId(0), shape)], friction: own_friction(entry) }
+}
+
+/// The home posture at the pose and, if the base is free, with the velocity of the entry.
+pub(super) fn initial_state(model: &Model, entry: &ObjectEntry) -> State {
+    let mut state = State::home(model);
     state.position = entry.position.into();
     let [roll, pitch, yaw] = entry.rpy;
     state.rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-    state.v[..3].copy_from_slice(&entry.linear_velocity);
-    state.v[3..].copy_from_slice(&entry.angular_velocity);
-    let command = Command::hold(&model, &[]);
-    let friction = entry.friction.map(|f| Friction { mu_s: f.static_, mu_k: f.kinetic });
-    Object { setup: ObjectSetup { name, model: Arc::new(model), state, command }, shape, friction }
+    if model.base == Base::Floating {
+        state.v[..3].copy_from_slice(&entry.linear_velocity);
+        state.v[3..6].copy_from_slice(&entry.angular_velocity);
+    }
+    state
+}
+
+/// The friction that an entry gives.
+pub(super) fn own_friction(entry: &ObjectEntry) -> Option<Friction> {
+    entry.friction.map(|f| Friction { mu_s: f.static_, mu_k: f.kinetic })
 }
 
 /// Principal moments of inertia of a homogeneous capsule along z about its centre, per mass, m^2:

@@ -42,7 +42,7 @@ impl Session {
         if self.simulation.has_begun() {
             return Ok(self.simulation.snapshot());
         }
-        let mut begun = simulation(&self.document, &self.run, &self.robot)?;
+        let mut begun = simulation(&self.document, &self.run, (&self.robot, &self.objects))?;
         begun.begin(&mut SessionObserver::default()).map_err(|error| ConsoleError::Terminated { time: 0.0, error })?;
         Ok(begun.snapshot())
     }

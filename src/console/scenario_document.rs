@@ -13,8 +13,8 @@ use std::io::Write;
 /// Keys of a batch, and rules that would end a session; removed from the scenario.
 const REMOVED_KEYS: [&str; 4] = ["sweep", "compare", "expect", "stop"];
 
-/// Lists whose entries have a path in the key `file`.
-const FILES: [&str; 2] = ["task", "force"];
+/// Lists whose entries have a path in the key `file`, or `model`.
+const FILES: [&str; 4] = ["task", "force", "terrain", "object"];
 
 /// Scenario of a session as a TOML table.
 #[derive(Clone, Debug)]
@@ -108,7 +108,10 @@ impl ScenarioDocument {
             rebase(robot.get_mut("backend_key"));
         }
         for list in FILES {
-            saved.list(list).iter_mut().for_each(|entry| rebase(entry.get_mut("file")));
+            for entry in saved.list(list) {
+                rebase(entry.get_mut("file"));
+                rebase(entry.get_mut("model"));
+            }
         }
         let name = self.file.file_name().unwrap_or_default().to_string_lossy();
         let text = format!("{SESSION} that started from {name}.\n\n{}", saved.text());

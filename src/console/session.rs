@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use tempfile::TempDir;
 
-use crate::assemble::setup;
+use crate::assemble::setup_with;
 use crate::batch::{Job, LiveClients};
 use crate::console::console_error::ConsoleError;
 use crate::console::cursor::Cursor;
@@ -35,6 +35,8 @@ pub struct Session {
     /// Document before each edit, and the time of the edit, s; for `undo`.
     history: Vec<(ScenarioDocument, f64)>,
     pub(super) robot: Arc<Robot>,
+    /// Models of the objects.
+    pub(super) objects: Vec<Arc<Robot>>,
     pub(super) run: Run,
     pub(super) simulation: Simulation,
     pub(super) observer: SessionObserver,
@@ -77,7 +79,7 @@ impl Session {
         }
         let document = ScenarioDocument::of(&job.run, end);
         let run = document.run()?;
-        let simulation = simulation(&document, &run, &job.robot)?;
+        let simulation = simulation(&document, &run, (&job.robot, &job.objects))?;
         let io = |source| ConsoleError::Io { path: std::env::temp_dir(), source };
         let folder = tempfile::Builder::new().prefix("stiction-console-").tempdir().map_err(io)?;
         Ok(Session {
@@ -85,6 +87,7 @@ impl Session {
             history: Vec::new(),
             document,
             robot: job.robot,
+            objects: job.objects,
             run,
             simulation,
             observer: SessionObserver::default(),
@@ -190,7 +193,8 @@ impl Session {
         change(&mut document)?;
         let run = document.run()?;
         if self.simulation.has_begun() {
-            let mut setup = setup(&run, &self.robot).map_err(|found| document.scenario_error(found))?;
+            let built = setup_with(&run, &self.robot, &self.objects);
+            let mut setup = built.map_err(|found| document.scenario_error(found))?;
             let notes = std::mem::take(&mut setup.notes);
             if let Err(error) = self.simulation.continue_as(setup) {
                 return Err(self.terminate(error));
@@ -199,7 +203,7 @@ impl Session {
             Ok(self.new_notes(notes))
         } else {
             self.check_fixed_keys(&run)?;
-            let simulation = simulation(&document, &run, &self.robot)?;
+            let simulation = simulation(&document, &run, (&self.robot, &self.objects))?;
             self.adopt(document, run);
             self.simulation = simulation;
             Ok(String::new())
@@ -211,6 +215,7 @@ impl Session {
         let (new, old) = (&run.scenario, &self.run.scenario);
         let same = [
             ("robot.model", new.robot.model == old.robot.model),
+            ("object.N.model", run.object_models().eq(self.run.object_models())),
             ("robot.inertia", new.robot.inertia == old.robot.inertia),
             ("robot.backend", new.robot.backend.is_none() && new.robot.backend_key.is_none()),
             ("control.idle_ticks", new.control.idle_ticks),
@@ -241,7 +246,7 @@ impl Session {
         self.hold();
         self.stop_recording()?;
         let run = document.run()?;
-        self.simulation = simulation(&document, &run, &self.robot)?;
+        self.simulation = simulation(&document, &run, (&self.robot, &self.objects))?;
         (self.document, self.run) = (document, run);
         (self.observer, self.termination, self.cursor) = (SessionObserver::default(), None, None);
         self.history.pop();
@@ -257,7 +262,7 @@ impl Session {
         self.hold();
         self.stop_recording()?;
         let run = self.initial.run()?;
-        self.simulation = simulation(&self.initial, &run, &self.robot)?;
+        self.simulation = simulation(&self.initial, &run, (&self.robot, &self.objects))?;
         (self.document, self.run) = (self.initial.clone(), run);
         self.history.clear();
         (self.observer, self.termination, self.clock, self.cursor) = (SessionObserver::default(), None, None, None);
@@ -323,8 +328,12 @@ impl Session {
 }
 
 /// Builds the simulation of a run.
-pub(super) fn simulation(document: &ScenarioDocument, run: &Run, robot: &Robot) -> Result<Simulation, ConsoleError> {
-    let setup = setup(run, robot).map_err(|found| document.scenario_error(found))?;
+pub(super) fn simulation(
+    document: &ScenarioDocument,
+    run: &Run,
+    (robot, objects): (&Robot, &[Arc<Robot>]),
+) -> Result<Simulation, ConsoleError> {
+    let setup = setup_with(run, robot, objects).map_err(|found| document.scenario_error(found))?;
     Simulation::new(setup).map_err(|error| match error.outcome {
         Outcome::Error => ConsoleError::usage(error.message),
         _ => ConsoleError::Terminated { time: 0.0, error },

@@ -10,6 +10,7 @@ pub mod anchor;
 pub mod drag;
 mod force_error;
 pub mod friction;
+pub mod on_object;
 pub mod profile;
 pub mod random_pushes;
 pub mod spring;
@@ -24,7 +25,7 @@ use std::any::Any;
 
 /// The instant at which forces are evaluated.
 pub struct ForceContext<'a> {
-    /// The robot.
+    /// The robot, or the object that the model acts on.
     pub model: &'a Model,
     /// Positions and velocities.
     pub state: &'a State,
@@ -100,6 +101,11 @@ pub trait Force: Any + Send {
     /// Called first on a model that replaces `former` during the run, at `time`. Events that
     /// `former` has reported, or that are over, are not reported again.
     fn continue_from(&mut self, _former: &dyn Any, _time: f64) {}
+
+    /// The mechanism that it acts on: 0 for the robot, n + 1 for object n. Contexts are those of it.
+    fn mechanism(&self) -> usize {
+        0
+    }
 
     /// Greatest number of force arrows at one instant; room for them is allocated before the run.
     /// Scripts cannot know it.

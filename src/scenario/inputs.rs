@@ -69,5 +69,7 @@ fn named_files(scenario: &Scenario) -> impl Iterator<Item = (String, &str)> {
     let of_forces = forces.filter_map(|(i, force)| Some((format!("force.{i}.file"), force.file()?)));
     let terrain = scenario.terrain.iter().enumerate();
     let of_terrain = terrain.filter_map(|(i, terrain)| Some((format!("terrain.{i}.file"), terrain.file()?)));
-    of_tasks.chain(of_forces).chain(of_terrain)
+    let objects = scenario.object.iter().enumerate();
+    let of_objects = objects.filter_map(|(i, object)| Some((format!("object.{i}.file"), object.file()?)));
+    of_tasks.chain(of_forces).chain(of_terrain).chain(of_objects)
 }

@@ -44,7 +44,7 @@ pub struct Run {
     pub warnings: Diagnostics,
     /// The reference run for `[compare]`.
     pub reference: Option<Box<Run>>,
-    /// The files it names, except its robot.
+    /// The files it names, except its robot and the models of objects.
     pub inputs: Vec<Input>,
     /// Its events in order of time.
     pub events: Vec<Event>,
@@ -83,6 +83,12 @@ impl Run {
     /// The file that the value at a dotted path (such as `task.0.file`) names.
     pub fn input(&self, key: &str) -> Option<&Input> {
         self.inputs.iter().find(|input| input.key == key)
+    }
+
+    /// The objects that are models: index among `[[object]]`, and the path of their robot file or URDF.
+    pub fn object_models(&self) -> impl Iterator<Item = (usize, PathBuf)> {
+        let objects = self.scenario.object.iter().enumerate();
+        objects.filter_map(|(i, object)| Some((i, self.resolve(object.model()?))))
     }
 
     /// The values as written, with overrides and sweep, without defaults.

@@ -84,7 +84,7 @@ impl Simulation {
         }
         let self_collision = SelfCollisionMonitor::of_run(&mut setup, &plant.state);
         first.self_contact = self_collision.as_ref().map(|monitor| monitor.blank());
-        let terrain = (!setup.terrain.is_empty()).then(|| TerrainPairs::new(setup.terrain.clone(), &plant.bodies));
+        let terrain = (!setup.terrain.is_empty()).then(|| TerrainPairs::new(setup.terrain.clone(), &plant));
         let mut run = RunState {
             tolerances,
             contact: setup.contact,
@@ -181,6 +181,7 @@ impl Simulation {
         let nb = plant.model.nb();
         let state = &mut plant.state;
         plant.drives.fill_lag(&plant.model, &state.joints, &state.v[nb..], &plant.command, &mut state.actuators);
+        plant.objects.fill_lag();
         plant.within = 0.0;
         run.report_imposed(observer)?;
         match &mut self.stepper {

@@ -18,6 +18,8 @@ pub mod imu;
 mod incline;
 mod jump;
 mod landing;
+mod object_forces;
+mod object_models;
 mod objects;
 mod one_step;
 mod orders;

@@ -16,6 +16,7 @@ mod junit;
 mod many;
 mod messages;
 mod names;
+pub mod object_models;
 mod pages;
 mod repetitions;
 mod replaced;

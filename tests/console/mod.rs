@@ -3,6 +3,7 @@
 
 mod answers;
 mod lines;
+mod objects;
 mod recordings;
 mod same_bits;
 mod terminal;

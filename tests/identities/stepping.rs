@@ -98,3 +98,59 @@ fn forces_allocate_nothing() {
     let quiet = (0..200).filter(|_| count(|| sim.step(&mut NullObserver).expect("it steps")) == 0).count();
     assert!(quiet > 150, "{quiet} of 200 steps");
 }
+
+/// Objects with joints, servos, forces and contacts.
+#[test]
+fn objects_allocate_nothing() {
+    for integrator in
+        ["method = \"dopri5\"", "method = \"rk4\", step = 1e-3", "method = \"semi-implicit\", step = 1e-3"]
+    {
+        let method = if integrator.starts_with("method = \"semi") { "one-step" } else { "exact" };
+        let mut sim = simulation(&format!(
+            "duration = 10.0
+            robot = {{ model = \"robots/ground/ground.urdf\" }}
+            integrator = {{ {integrator} }}
+            contact = {{ method = \"{method}\" }}
+            log = {{ rate = 0 }}
+            floor = {{ friction = 0.5, patches = [{{ polygon = [[2, -9], [9, -9], [9, 9], [2, 9]], friction = 0.2 }}] }}
+            [[object]]
+            type = \"model\"
+            name = \"swing\"
+            model = \"robots/pendulum/pendulum.urdf\"
+            posture = {{ shoulder = 1.0 }}
+            servo = [{{ joints = \"elbow\", stiffness = 5, damping = 0.5 }}]
+            [[object]]
+            type = \"box\"
+            name = \"box\"
+            size = [0.2, 0.2, 0.1]
+            mass = 1
+            position = [-3, 2, 0.05]
+            linear_velocity = [6, 0, 0]
+            [[force]]
+            type = \"spring\"
+            object = \"swing\"
+            link = \"lower\"
+            stiffness = 3
+            damping = 0.1
+            [[force]]
+            type = \"drag\"
+            object = \"swing\"
+            linear = 0.1
+            [[force]]
+            type = \"joint-friction\"
+            object = \"swing\"
+            all = {{ viscous = 0.01 }}
+            [[force]]
+            type = \"constant\"
+            object = \"box\"
+            force = [3, 0, 0]\n"
+        ));
+        sim.begin(&mut NullObserver).expect("it begins");
+        // The first steps may allocate their lists.
+        (0..3).for_each(|_| sim.step(&mut NullObserver).expect("it steps"));
+        let allocations = count(|| (0..100).for_each(|_| sim.step(&mut NullObserver).expect("it steps")));
+        let plant = sim.plant();
+        assert!(plant.polygons.len() == 1 && plant.objects.list[1].state.v[0] > 1.0, "the box slides");
+        assert_eq!(allocations, 0, "{integrator}");
+    }
+}

@@ -1,6 +1,6 @@
 //! Creates carried objects from their entries.
 
-use crate::assemble::names::{self, GripFrame};
+use crate::assemble::names::{self, GripFrame, Owner};
 use crate::robot::Model;
 use crate::robot::adjustments;
 use crate::scenario::{CarriedObject as ObjectSpec, Diagnostic, ForceSpec, Run};
@@ -12,7 +12,7 @@ pub(in crate::assemble) fn loads(run: &Run, model: &Model, errors: &mut Vec<Diag
     let entries = run.scenario.force.iter().enumerate();
     let object = |(i, spec): (usize, &ForceSpec)| match spec {
         ForceSpec::CarriedObject(object) => {
-            let frame = names::grip_frame(model, run, i, spec, errors)?;
+            let frame = names::grip_frame(Owner::robot(model), run, i, spec, errors)?;
             load(run, i, frame, object, errors)
         }
         _ => None,

@@ -1,10 +1,10 @@
 //! Creates the force `random-pushes` from its entry.
 
 use crate::assemble::forces::{names, shape};
+use crate::assemble::names::Owner;
 use crate::force::Force;
 use crate::force::random_pushes::{Count, Distribution, RandomPushes};
 use crate::random::Stream;
-use crate::robot::Model;
 use crate::scenario::{Diagnostic, Directions, RandomPushes as Spec, Run};
 use nalgebra::Point3;
 
@@ -16,15 +16,19 @@ const MAX_EXPECTED: usize = 9_000;
 /// many pushes are errors at their positions.
 pub(super) fn pushes(
     run: &Run,
-    model: &Model,
+    owner: Owner,
     i: usize,
     spec: &Spec,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<Box<dyn Force>> {
     let mut targets = Vec::new();
     for (n, name) in spec.links.iter().enumerate() {
-        let (link, pose) = names::moving_link(model, run, &format!("force.{i}.links.{n}"), name, errors)?;
-        targets.push((name.clone(), link, (pose * Point3::from(spec.point)).coords));
+        let (link, pose) = names::moving_link(owner, run, &format!("force.{i}.links.{n}"), name, errors)?;
+        targets.push((owner.part(name), link, (pose * Point3::from(spec.point)).coords));
+    }
+    if targets.is_empty() {
+        let root = names::root_frame(owner, run, i, errors)?;
+        targets.push((root.name, root.link, (root.pose * Point3::from(spec.point)).coords));
     }
     let seconds = spec.duration.unwrap_or(run.scenario.duration - spec.start).max(0.0);
     let (count, key, expected) = match (spec.number, spec.rate) {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Instant;
 
-use crate::assemble::setup;
+use crate::assemble::setup_with;
 use crate::batch::dispatch::cancellation::Gate;
 use crate::batch::dispatch::event::{Event, Work};
 use crate::batch::dispatch::workers::Drained;
@@ -51,7 +51,7 @@ fn time(job: &Job, cancellation: &Cancellation) -> Result<Lap, RunError> {
 }
 
 fn advance(job: &Job, cancellation: &Cancellation) -> Result<Lap, RunError> {
-    let setup = setup(&job.run, &job.robot).map_err(RunError::internal)?;
+    let setup = setup_with(&job.run, &job.robot, &job.objects).map_err(RunError::internal)?;
     let mut simulation = Simulation::new(Setup { log_rate: 0.0, ..setup })?;
     simulation.cancel_on(cancellation.shared());
     let clock = Clock::start();

@@ -193,13 +193,12 @@ impl Plan {
         if let Some(swept) = &self.swept {
             run.parameters = swept.to_vec();
         }
-        let path = run.resolve(&run.scenario.robot.model);
         let mut robots = self.robots.lock().unwrap_or_else(PoisonError::into_inner);
-        let robot = robots.get(&path, &run.scenario.robot).expect("a robot that has been loaded");
+        let (robot, objects) = robots.of_run(&run).expect("robots that have been loaded");
         let key = key_text(ticket.key);
         let label =
             if role == Role::Reference { format!("reference {key}") } else { label(&run, source.kind.repeated) };
-        Job { index, run, robot, key, label, role, levels: source.levels() }
+        Job { index, run, robot, objects, key, label, role, levels: source.levels() }
     }
 }
 
@@ -223,6 +222,8 @@ pub struct Job {
     pub run: Run,
     /// Its robot.
     pub robot: Arc<Robot>,
+    /// The models of its objects.
+    pub objects: Vec<Arc<Robot>>,
     /// Its key.
     pub key: String,
     /// Label that distinguishes it from the other runs of its file, such as

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::robot::{self, InertiaPolicy, Robot, RobotError};
-use crate::scenario::{InertiaSpec, RobotSpec};
+use crate::scenario::{InertiaSpec, Run};
 
 /// The robots of a batch.
 #[derive(Default)]
@@ -14,10 +14,18 @@ pub(in crate::batch) struct Robots {
 }
 
 impl Robots {
-    /// The robot at a path under the scenario's inertia policy.
-    pub fn get(&mut self, path: &Path, spec: &RobotSpec) -> Result<Arc<Robot>, RobotError> {
+    /// The robot of a run and the models of its objects.
+    pub fn of_run(&mut self, run: &Run) -> Result<(Arc<Robot>, Vec<Arc<Robot>>), RobotError> {
+        let spec = &run.scenario.robot;
+        let robot = self.get(&run.resolve(&spec.model), spec.inertia)?;
+        let objects: Result<_, _> = run.object_models().map(|(_, path)| self.get(&path, None)).collect();
+        Ok((robot, objects?))
+    }
+
+    /// The robot at a path under an inertia policy of the scenario.
+    pub fn get(&mut self, path: &Path, inertia: Option<InertiaSpec>) -> Result<Arc<Robot>, RobotError> {
         // Different paths of one file share a robot; the loader reports a missing file.
-        let policy = spec.inertia.map(|inertia| match inertia {
+        let policy = inertia.map(|inertia| match inertia {
             InertiaSpec::Refuse => InertiaPolicy::Refuse,
             InertiaSpec::Repair => InertiaPolicy::Repair,
         });

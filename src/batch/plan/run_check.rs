@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use crate::assemble::{log_size, setup};
+use crate::assemble::{log_size, setup_with};
 use crate::batch::plan::finding::MAX_ERRORS;
-use crate::batch::plan::robot_cache::Robots;
+use crate::batch::plan::robot_cache::Robots as RobotCache;
 use crate::batch::plan::run_key::{LastFiles, RunKeys};
 use crate::batch::{Finding, Findings};
 use crate::files::input;
@@ -20,10 +20,13 @@ use crate::script::time_limited;
 /// to be compared.
 type Shape = ([usize; 2], Vec<usize>);
 
+/// The robot of a run and the models of its objects.
+type Robots = (Arc<Robot>, Vec<Arc<Robot>>);
+
 /// Checks runs of a file.
 pub(super) struct RunCheck<'a> {
     pub expansion: &'a Expansion,
-    pub robots: &'a Mutex<Robots>,
+    pub robots: &'a Mutex<RobotCache>,
     /// Wall-clock limit of building one setup.
     pub time_limit: Duration,
 }
@@ -145,10 +148,10 @@ impl Chunk<'_> {
         let CheckedCell { mut run, reference_has_own_seed } = cell;
         let repeat = self.check.expansion.repetitions();
         self.add_files(&run);
-        let robot = self.robot(&run)?;
-        let shape = self.build(&run, &robot)?;
+        let robots = self.robots(&run)?;
+        let shape = self.build(&run, &robots)?;
         let reference = run.reference.take();
-        let mut keys = self.keys(&run, &robot, numbers.len() + 1)?;
+        let mut keys = self.keys(&run, &robots, numbers.len() + 1)?;
         let mut reference = match reference {
             Some(reference) => Some((self.reference_keys(&run, &reference, &shape, numbers.len())?, reference)),
             None => None,
@@ -176,13 +179,13 @@ impl Chunk<'_> {
 
     /// Keys of the references of a run and its repetitions; the first is judged for all.
     fn reference_keys(&mut self, of: &Run, run: &Run, shape: &Shape, repetitions: usize) -> Checked<RunKeys> {
-        let robot = self.robot(run)?;
-        let mut keys = self.keys(run, &robot, repetitions)?;
+        let robots = self.robots(run)?;
+        let mut keys = self.keys(run, &robots, repetitions)?;
         let key = self.written(run, keys.key(run.scenario.seed))?;
         let other = match self.references.get(&key) {
             Some(known) => known.clone(),
             None => {
-                let built = self.build(run, &robot)?;
+                let built = self.build(run, &robots)?;
                 self.references.insert(key, built.clone());
                 built
             }
@@ -214,8 +217,8 @@ impl Chunk<'_> {
     }
 
     /// Builds a run's setup to check it.
-    fn build(&mut self, run: &Run, robot: &Robot) -> Checked<Shape> {
-        match time_limited(self.check.time_limit, || setup(run, robot)) {
+    fn build(&mut self, run: &Run, (robot, objects): &Robots) -> Checked<Shape> {
+        match time_limited(self.check.time_limit, || setup_with(run, robot, objects)) {
             Ok(setup) => {
                 if let Some(warning) = log_size::warning(run, &setup) {
                     self.report(Finding::Scenario(Box::new(warning)));
@@ -230,8 +233,8 @@ impl Chunk<'_> {
         }
     }
 
-    fn keys(&mut self, run: &Run, robot: &Arc<Robot>, repetitions: usize) -> Checked<RunKeys> {
-        let keys = RunKeys::new(run, robot, repetitions, &mut self.files);
+    fn keys(&mut self, run: &Run, (robot, objects): &Robots, repetitions: usize) -> Checked<RunKeys> {
+        let keys = RunKeys::new(run, (robot, objects), repetitions, &mut self.files);
         self.written(run, keys)
     }
 
@@ -242,9 +245,10 @@ impl Chunk<'_> {
 
     /// Adds the files that a run names, with warnings about symbolic links that redirect them.
     fn add_files(&mut self, run: &Run) {
-        let robot = ("robot.model", run.resolve(&run.scenario.robot.model), None);
-        let inputs = run.inputs.iter().map(|input| (input.key.as_str(), input.path.clone(), Some(&*input.bytes)));
-        for (key, path, bytes) in std::iter::once(robot).chain(inputs) {
+        let robot = ("robot.model".to_owned(), run.resolve(&run.scenario.robot.model), None);
+        let objects = run.object_models().map(|(i, path)| (format!("object.{i}.model"), path, None));
+        let inputs = run.inputs.iter().map(|input| (input.key.clone(), input.path.clone(), Some(&*input.bytes)));
+        for (key, path, bytes) in std::iter::once(robot).chain(objects).chain(inputs) {
             if !self.paths.insert(path.clone()) {
                 continue;
             }
@@ -252,19 +256,28 @@ impl Chunk<'_> {
                 let hash = blake3::hash(bytes).to_hex().to_string();
                 self.checked.found.push(RunFinding::Used(written_name(run, &path), hash));
             }
-            if let Some(warning) = link_warning(run, key, &path) {
+            if let Some(warning) = link_warning(run, &key, &path) {
                 self.checked.found.push(RunFinding::OfFile(FileIdentity::Path(path), vec![warning]));
             }
         }
     }
 
-    fn robot(&mut self, run: &Run) -> Checked<Arc<Robot>> {
-        let identity = (run.resolve(&run.scenario.robot.model), run.scenario.robot.inertia);
+    /// The robot of a run and the models of its objects.
+    fn robots(&mut self, run: &Run) -> Checked<Robots> {
+        let spec = &run.scenario.robot;
+        let robot = self.robot(run, "robot.model", (run.resolve(&spec.model), spec.inertia))?;
+        let models = run.object_models();
+        let models = models.map(|(i, path)| self.robot(run, &format!("object.{i}.model"), (path, None)));
+        Some((robot, models.collect::<Option<_>>()?))
+    }
+
+    /// The robot at a path under an inertia policy, named at `key`.
+    fn robot(&mut self, run: &Run, key: &str, identity: (PathBuf, Option<InertiaSpec>)) -> Checked<Arc<Robot>> {
         if let Some(robot) = self.robots.get(&identity) {
             return Some(robot.clone());
         }
         let mut robots = self.check.robots.lock().unwrap_or_else(PoisonError::into_inner);
-        let robot = robots.get(&identity.0, &run.scenario.robot);
+        let robot = robots.get(&identity.0, identity.1);
         drop(robots);
         let of_file = FileIdentity::Robot(identity.0.clone(), identity.1);
         match robot {
@@ -277,12 +290,12 @@ impl Chunk<'_> {
             }
             // The scenario names an unreadable file, so the error points into the scenario.
             Err(error @ RobotError::Read { .. }) => {
-                let error = run.error_at("robot.model", error.to_string(), None);
+                let error = run.error_at(key, error.to_string(), None);
                 self.report(Finding::Scenario(Box::new(error)));
                 None
             }
             Err(error) => {
-                let named_at = run.error_at("robot.model", "", None).location();
+                let named_at = run.error_at(key, "", None).location();
                 let finding = Finding::Robot { error: Box::new(error), named_at };
                 self.checked.found.push(RunFinding::OfFile(of_file, vec![finding]));
                 None

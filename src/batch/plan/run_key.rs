@@ -1,16 +1,16 @@
 //! Computes run keys: equal for equal runs, wherever their files are.
 //!
 //! A key hashes the resolved scenario (seed included, as JSON, which is faster to write than TOML;
-//! all numbers of scenarios are finite), the bytes of the robot's files in reading order, the bytes
-//! of files that the scenario names, and the program version. The robot's path and repetitions for
-//! timing are excluded.
+//! all numbers of scenarios are finite), the bytes of the files of robot and objects in reading order,
+//! the bytes of files that the scenario names, and the program version. The paths of robot and objects
+//! and repetitions for timing are excluded.
 //!
 //! Repetitions differ in the digits of their seed alone, so their scenario is written once.
 
 use std::sync::Arc;
 
 use crate::robot::Robot;
-use crate::scenario::{CompareSpec, Input, KeyHasher, Run, Scenario};
+use crate::scenario::{CompareSpec, Input, KeyHasher, ObjectSpec, Run, Scenario};
 
 /// Label of the resolved scenario among the hashed inputs.
 const SCENARIO: &str = "scenario";
@@ -31,6 +31,7 @@ pub(super) struct RunKeys {
 /// Hashes of the files of a run.
 struct HashedFiles {
     robot: Arc<Robot>,
+    objects: Vec<Arc<Robot>>,
     inputs: Vec<Input>,
     /// The inputs whose labels precede that of the scenario.
     before: KeyHasher,
@@ -38,37 +39,46 @@ struct HashedFiles {
     after: Vec<(String, Arc<[u8]>)>,
 }
 
+/// The robot of a run and the models of its objects.
+pub(super) type Robots<'a> = (&'a Arc<Robot>, &'a [Arc<Robot>]);
+
 /// The files of the last run: those of the next one are mostly the same.
 #[derive(Default)]
 pub(super) struct LastFiles(Option<Arc<HashedFiles>>);
 
 impl LastFiles {
-    fn of(&mut self, run: &Run, robot: &Arc<Robot>) -> Arc<HashedFiles> {
+    fn of(&mut self, run: &Run, robots: Robots) -> Arc<HashedFiles> {
         match &self.0 {
-            Some(last) if last.are_those_of(run, robot) => last.clone(),
-            _ => self.0.insert(Arc::new(HashedFiles::new(run, robot))).clone(),
+            Some(last) if last.are_those_of(run, robots) => last.clone(),
+            _ => self.0.insert(Arc::new(HashedFiles::new(run, robots))).clone(),
         }
     }
 }
 
 impl HashedFiles {
-    fn new(run: &Run, robot: &Arc<Robot>) -> Self {
-        let labels: Vec<String> = (0..robot.files.len()).map(|i| format!("robot file {i}")).collect();
-        let of_robot = labels.iter().zip(&robot.files).map(|(label, (_, bytes))| (label.as_str(), bytes.as_slice()));
+    fn new(run: &Run, (robot, objects): Robots) -> Self {
+        let files = |robot: &Robot, of: String| (0..robot.files.len()).map(move |i| format!("{of} file {i}"));
+        let of_objects = run.object_models().zip(objects);
+        let of_objects = of_objects.flat_map(|((o, _), object)| files(object, format!("object {o}")));
+        let labels: Vec<String> = files(robot, "robot".into()).chain(of_objects).collect();
+        let all_files = std::iter::once(robot).chain(objects).flat_map(|robot| &robot.files);
+        let of_robots = labels.iter().zip(all_files).map(|(label, (_, bytes))| (label.as_str(), bytes.as_slice()));
         let own = [("program", env!("CARGO_PKG_VERSION").as_bytes())];
         let of_run = run.inputs.iter().map(|input| (input.key.as_str(), &*input.bytes));
-        let mut all: Vec<(&str, &[u8])> = own.into_iter().chain(of_robot).chain(of_run).collect();
+        let mut all: Vec<(&str, &[u8])> = own.into_iter().chain(of_robots).chain(of_run).collect();
         all.sort_unstable();
         let (first, last) = all.split_at(all.partition_point(|(label, _)| *label < SCENARIO));
         let mut before = KeyHasher::default();
         first.iter().for_each(|(label, bytes)| before.add(label, &[bytes]));
         let after = last.iter().map(|(label, bytes)| ((*label).to_owned(), Arc::from(*bytes))).collect();
-        HashedFiles { robot: robot.clone(), inputs: run.inputs.clone(), before, after }
+        HashedFiles { robot: robot.clone(), objects: objects.to_vec(), inputs: run.inputs.clone(), before, after }
     }
 
-    fn are_those_of(&self, run: &Run, robot: &Arc<Robot>) -> bool {
+    fn are_those_of(&self, run: &Run, (robot, objects): Robots) -> bool {
         let same = |(a, b): (&Input, &Input)| a.key == b.key && Arc::ptr_eq(&a.bytes, &b.bytes);
         Arc::ptr_eq(&self.robot, robot)
+            && self.objects.len() == objects.len()
+            && self.objects.iter().zip(objects).all(|(a, b)| Arc::ptr_eq(a, b))
             && self.inputs.len() == run.inputs.len()
             && self.inputs.iter().zip(&run.inputs).all(same)
     }
@@ -79,18 +89,18 @@ impl RunKeys {
     ///
     /// # Errors
     /// The scenario cannot be written as JSON.
-    pub fn new(
-        run: &Run,
-        robot: &Arc<Robot>,
-        repetitions: usize,
-        last: &mut LastFiles,
-    ) -> Result<Self, serde_json::Error> {
+    pub fn new(run: &Run, robots: Robots, repetitions: usize, last: &mut LastFiles) -> Result<Self, serde_json::Error> {
         let mut scenario: Scenario = run.scenario.clone();
         scenario.robot.model.clear();
+        for object in &mut scenario.object {
+            if let ObjectSpec::Model(object) = object {
+                object.model.clear();
+            }
+        }
         let compare = scenario.compare.take().map(|compare| CompareSpec { timing_repeats: None, ..compare });
         scenario.compare = compare.filter(|compare| *compare != CompareSpec::default());
         let parts = if repetitions > 2 { split(&scenario)? } else { None };
-        Ok(RunKeys { scenario, parts, text: Vec::new(), files: last.of(run, robot) })
+        Ok(RunKeys { scenario, parts, text: Vec::new(), files: last.of(run, robots) })
     }
 
     /// The key of the run with this seed.

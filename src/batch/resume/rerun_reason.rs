@@ -58,11 +58,17 @@ fn gather(path: &str, value: &toml::Value, leaves: &mut BTreeMap<String, String>
         toml::Value::Array(items) if items.iter().any(toml::Value::is_table) => {
             items.iter().enumerate().for_each(|(i, value)| gather(&below(&i.to_string()), value, leaves));
         }
-        _ if NOT_IN_KEY.contains(&path) => {}
+        _ if NOT_IN_KEY.contains(&path) || is_object_model(path) => {}
         _ => {
             leaves.insert(path.to_owned(), value.to_string());
         }
     }
+}
+
+/// True for the path of an object's model, whose bytes enter the key.
+fn is_object_model(path: &str) -> bool {
+    let entry = path.strip_prefix("object.").and_then(|rest| rest.strip_suffix(".model"));
+    entry.is_some_and(|entry| !entry.contains('.'))
 }
 
 /// Kind of a robot's file, for messages.
@@ -74,8 +80,10 @@ fn kind(path: &Path) -> String {
 /// Changed files of the robot and files that the scenario names.
 fn files(job: &Job, before: &[InputHash]) -> Vec<String> {
     let now = input_hashes(job);
-    let robot = job.robot.files.iter().map(|(path, _)| kind(path));
-    let kinds = robot.chain(job.run.inputs.iter().map(|input| format!("`{}`, the file", input.key)));
+    let robots = std::iter::once(&job.robot).chain(&job.objects);
+    let kinds = robots
+        .flat_map(|robot| robot.files.iter().map(|(path, _)| kind(path)))
+        .chain(job.run.inputs.iter().map(|input| format!("`{}`, the file", input.key)));
     let changed = now.iter().zip(kinds).filter_map(|(is, kind)| match before.iter().find(|was| was.name == is.name) {
         Some(was) if was.blake3 == is.blake3 => None,
         Some(_) => Some(format!("{kind} {} changed", is.name)),

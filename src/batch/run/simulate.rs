@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 
-use crate::assemble::setup;
+use crate::assemble::setup_with;
 use crate::batch::run::live_clients::{LiveClients, Pacer, RATE};
 use crate::batch::{Job, Role, RunEnd, RunOutputs, Track};
 use crate::contact::selection_record::SelectionRecord;
@@ -80,7 +80,7 @@ fn drive(
     clients: Option<&dyn LiveClients>,
     driver: impl FnOnce(Setup, &mut dyn Observer, &AtomicBool) -> RunEnd,
 ) -> RunEnd {
-    let setup = match setup(&job.run, &job.robot) {
+    let setup = match setup_with(&job.run, &job.robot, &job.objects) {
         Ok(setup) => setup,
         // Planning built every setup without an error, so a script was interrupted.
         Err(_) if cancel.load(Ordering::Relaxed) => {
@@ -314,9 +314,10 @@ pub(crate) fn open_log_of(
 ) -> Result<LogWriter, RecordError> {
     let (robot_file, urdf) = documents(robot);
     let scenario_name = format!("{}.toml", run.name);
-    // Binary inputs, such as a log for playback, are only hashed, and so is terrain, which is often
-    // large.
-    let inputs = run.inputs.iter().filter(|input| !input.key.starts_with("terrain."));
+    // Binary inputs, such as a log for playback, are only hashed, and so are terrain and meshes, which are
+    // often large.
+    let is_shape = |key: &str| key.starts_with("terrain.") || key.starts_with("object.");
+    let inputs = run.inputs.iter().filter(|input| !is_shape(&input.key));
     let texts = inputs.filter_map(|i| Some((i.name(), std::str::from_utf8(&i.bytes).ok()?)));
     let texts: Vec<_> = texts.collect();
     let inputs: Vec<_> = texts.iter().map(|(name, text)| AttachedText { name, text }).collect();

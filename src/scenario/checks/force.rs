@@ -8,7 +8,9 @@ impl Check<'_> {
     /// `path` is that of the entry, `end` the end of the run, s.
     pub(super) fn force(&mut self, path: &str, force: &ForceSpec, end: f64) {
         match force.grip() {
-            Some(Grip { link: None, end_effector: None }) => self.error(path, "needs `link` or `end_effector`"),
+            Some(Grip { link: None, end_effector: None }) if force.object().is_none() => {
+                self.error(path, "needs `link` or `end_effector`");
+            }
             Some(Grip { link: Some(_), end_effector: Some(_) }) => {
                 self.error(&format!("{path}.end_effector"), "has no meaning with `link`; give one of them");
             }
@@ -83,7 +85,7 @@ impl Check<'_> {
         if pushes.number.is_some() == pushes.rate.is_some() {
             self.error(path, "needs either `number` or `rate`");
         }
-        if pushes.links.is_empty() {
+        if pushes.links.is_empty() && pushes.object.is_none() {
             self.error(&format!("{path}.links"), "must name at least one link");
         }
         if pushes.profile == Profile::Ramp {

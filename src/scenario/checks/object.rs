@@ -36,6 +36,16 @@ impl Check<'_> {
                     self.length(&format!("{path}.length"), spec.length);
                     spec.mass
                 }
+                ObjectSpec::Mesh(spec) => {
+                    self.file(&path, &spec.file, &["stl", "obj", "dae"]);
+                    spec.mass
+                }
+                ObjectSpec::Model(spec) => {
+                    if spec.model.is_empty() {
+                        self.error(&format!("{path}.model"), "must name a file");
+                    }
+                    continue;
+                }
             };
             let [least, greatest] = MASSES;
             if !(least..=greatest).contains(&mass) {

@@ -1,11 +1,15 @@
 //! `[[object]]`: bodies besides the robot.
 
+use std::collections::BTreeMap;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::scenario::format::defaults;
 use crate::scenario::format::floor::Friction;
+use crate::scenario::format::robot::JointLimits;
 use crate::scenario::format::tagged::tagged;
-use crate::text::quantity::{angles, angular_rates, json, positive};
+use crate::text::quantity::{angles, angular_rates, joint_positions, joint_velocities, json, non_negative, positive};
 
 tagged! {
     /// One body besides the robot.
@@ -16,6 +20,10 @@ tagged! {
         "sphere" => Sphere(SphereObject),
         /// A homogeneous cylinder with hemispherical ends.
         "capsule" => Capsule(CapsuleObject),
+        /// The homogeneous convex hull of a mesh file.
+        "mesh" => Mesh(MeshObject),
+        /// A mechanism: a robot file or URDF.
+        "model" => Model(ModelObject),
     }
 }
 
@@ -110,6 +118,72 @@ object! {
     }
 }
 
+object! {
+    /// The homogeneous convex hull of a mesh; its frame is that of the file.
+    MeshObject {
+        /// Mesh: `.stl`, `.obj` or `.dae`.
+        pub file: String,
+        /// Metres to a unit of the file.
+        #[serde(default = "defaults::one", deserialize_with = "positive")]
+        #[schemars(with = "json::Positive")]
+        pub scale: f64,
+        /// Mass, kg.
+        #[serde(deserialize_with = "positive")]
+        #[schemars(with = "json::Positive")]
+        pub mass: f64,
+    }
+}
+
+object! {
+    /// A mechanism, free or fixed to the world as its file says; its frame is that of its root link.
+    ModelObject {
+        /// Path of a robot file (`.toml`) or a `.urdf`, relative to the scenario file.
+        pub model: String,
+        /// Initial joint positions by joint name, rad or m; joints left out start at the model's home.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "joint_positions")]
+        #[schemars(with = "BTreeMap<String, json::Angle>")]
+        pub posture: BTreeMap<String, f64>,
+        /// Initial joint velocities by joint name, rad/s or m/s; joints left out start at rest.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "joint_velocities")]
+        #[schemars(with = "BTreeMap<String, json::AngularRate>")]
+        pub velocity: BTreeMap<String, f64>,
+        /// Servos that hold joints, of which the last one that names a joint counts. Other joints have the
+        /// drives of the robot file, or none.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        pub servo: Vec<ServoSpec>,
+        /// Positions that servos hold, by joint name, rad or m; joints left out are held at their initial
+        /// positions.
+        #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "joint_positions")]
+        #[schemars(with = "BTreeMap<String, json::Angle>")]
+        pub target: BTreeMap<String, f64>,
+        /// Behaviour at a joint's position limits.
+        #[serde(default)]
+        pub joint_limits: JointLimits,
+    }
+}
+
+/// A spring and damper that holds joints of an object, within the effort limits of its model.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ServoSpec {
+    /// Name of a joint, or a pattern in which `*` stands for any characters and `?` for one. Left out: all
+    /// joints.
+    #[serde(default = "any")]
+    pub joints: String,
+    /// Stiffness, N m/rad or N/m.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub stiffness: f64,
+    /// Damping, N m s/rad or N s/m.
+    #[serde(default, deserialize_with = "non_negative")]
+    #[schemars(with = "json::NonNegative")]
+    pub damping: f64,
+}
+
+fn any() -> String {
+    "*".into()
+}
+
 /// Keys that all types have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObjectEntry<'a> {
@@ -134,11 +208,29 @@ impl ObjectSpec {
             ObjectSpec::Box(spec) => spec.entry(),
             ObjectSpec::Sphere(spec) => spec.entry(),
             ObjectSpec::Capsule(spec) => spec.entry(),
+            ObjectSpec::Mesh(spec) => spec.entry(),
+            ObjectSpec::Model(spec) => spec.entry(),
         }
     }
 
     /// The name of the entry with this index.
     pub fn name(&self, index: usize) -> String {
         self.entry().name.map_or_else(|| format!("object.{index}"), str::to_owned)
+    }
+
+    /// The file that the key `file` names, if the type has that key.
+    pub fn file(&self) -> Option<&str> {
+        match self {
+            ObjectSpec::Mesh(mesh) => Some(&mesh.file),
+            _ => None,
+        }
+    }
+
+    /// The robot file or URDF that the key `model` names, if the type has that key.
+    pub fn model(&self) -> Option<&str> {
+        match self {
+            ObjectSpec::Model(model) => Some(&model.model),
+            _ => None,
+        }
     }
 }

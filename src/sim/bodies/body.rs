@@ -85,6 +85,11 @@ impl Body {
         }
     }
 
+    /// Whether a degree of freedom moves it: neither the world nor the root of a fixed base carries it.
+    pub fn moves(&self, mechanisms: Mechanisms) -> bool {
+        self.link().is_some_and(|body| !mechanisms.get(body.mechanism).support(body.link).is_empty())
+    }
+
     /// Pose and velocity. Needs the kinematics of its mechanism.
     pub fn placement(&self, mechanisms: Mechanisms) -> Placement {
         match self.host {

@@ -40,12 +40,16 @@ pub struct TerrainPairs {
 }
 
 impl TerrainPairs {
-    /// For these bodies, those of links.
-    pub fn new(terrain: Arc<Terrain>, bodies: &[Body]) -> Self {
+    /// For the bodies of a plant that move.
+    pub fn new(terrain: Arc<Terrain>, plant: &Plant) -> Self {
         let nowhere = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
-        let moving = |(body, of): (usize, &Body)| Some(Moving { body, link: of.link()?, bounds: nowhere });
+        let mechanisms = plant.objects.mechanisms(&plant.ws);
+        let moving = |(body, of): (usize, &Body)| {
+            let link = of.link().filter(|_| of.moves(mechanisms))?;
+            Some(Moving { body, link, bounds: nowhere })
+        };
         TerrainPairs {
-            moving: bodies.iter().enumerate().filter_map(moving).collect(),
+            moving: plant.bodies.iter().enumerate().filter_map(moving).collect(),
             terrain,
             pieces: HashMap::new(),
             buffer: TerrainPiece::prism_buffer(),

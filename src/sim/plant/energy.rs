@@ -32,11 +32,13 @@ impl Plant {
         }
         dampers -= self.stored().power;
         let (mut actuators, mut losses) = (dot(&self.drives.efforts, joints), -dot(&self.passive, joints));
-        for (drives, joints) in self.objects.list.iter().map(|object| object.powers()) {
+        let mut external = dot(&self.external, v);
+        for [drives, forces, joints] in self.objects.list.iter().map(|object| object.powers()) {
             actuators += drives;
+            external += forces;
             losses += joints;
         }
-        EnergyFlows([actuators, dot(&self.external, v), losses, -friction, dampers])
+        EnergyFlows([actuators, external, losses, -friction, dampers])
     }
 
     /// Energy flows of a velocity-level step of size `dt` that changed the velocity by `dv`, and
@@ -54,9 +56,11 @@ impl Plant {
             actuators += mean(nb + j) * (dt * servo - self.drives.implicit[j] * dv[nb + j]);
             joints -= mean(nb + j) * (dt * passive - self.implicit_passive[j] * dv[nb + j]);
         }
+        let mut on_objects = 0.0;
         for object in &self.objects.list {
-            let (of_drives, of_joints) = object.step_work(&dv[object.velocities.clone()], dt);
+            let [of_drives, of_forces, of_joints] = object.step_work(&dv[object.velocities.clone()], dt);
             actuators += of_drives;
+            on_objects += of_forces;
             joints += of_joints;
         }
         let mut external: f64 = (0..self.state.v.len())
@@ -65,6 +69,7 @@ impl Plant {
         if let Some(dampers) = self.dampers.matrix() {
             external -= dampers.between(&self.state.v, dv) - 0.5 * dampers.between(dv, dv);
         }
+        external += on_objects;
         let mut friction = 0.0;
         for (s, sole) in self.problem.soles.iter().enumerate() {
             for (i, (vertex, t)) in sole.vertices.iter().zip(&self.solution.tangent[s]).enumerate() {

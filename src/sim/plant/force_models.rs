@@ -1,21 +1,22 @@
-//! Calls of the external force models: preparation, corners of their time courses, evaluation.
+//! Calls of the external force models: preparation, corners of their time courses, evaluation. Each model
+//! acts on one mechanism, the robot or an object.
 
 use super::Plant;
 use crate::force::{AppliedForces, Force, ForceContext, ForceError, ReportEvent};
 
-/// The context of force models: the plant's fields other than the models. The second argument is the
-/// time of forces that depend on it, s; the third is inside the smooth piece.
+/// The context of the force models of a mechanism: the plant's fields other than the models. The last
+/// arguments are the time of forces that depend on it, s, and one inside the smooth piece.
 macro_rules! context {
-    ($plant:ident, $time:expr, $within:expr) => {
-        ForceContext {
-            model: &$plant.model,
-            state: &$plant.state,
-            kinematics: &$plant.ws,
-            gravity: $plant.gravity,
-            time: $time,
-            within: $within,
-        }
-    };
+    ($plant:ident, $mechanism:expr, $time:expr, $within:expr) => {{
+        let (model, state, kinematics) = match $mechanism.checked_sub(1) {
+            None => (&*$plant.model, &$plant.state, &$plant.ws),
+            Some(o) => {
+                let object = &$plant.objects.list[o];
+                (&*object.model, &object.state, &$plant.objects.ws[o])
+            }
+        };
+        ForceContext { model, state, kinematics, gravity: $plant.gravity, time: $time, within: $within }
+    }};
 }
 
 impl Plant {
@@ -24,6 +25,7 @@ impl Plant {
         let number = self.forces.iter().map(|force| force.arrows()).sum();
         self.arrows.reserve(number);
         self.dampers.reserve(number);
+        self.objects.reserve_dampers(number);
     }
 
     /// Evaluates all models at the present state, over a velocity-level step of size `dt` if given.
@@ -31,18 +33,30 @@ impl Plant {
         self.external.fill(0.0);
         self.arrows.clear();
         self.dampers.clear();
+        if dt.is_some() {
+            self.implicit_external.fill(0.0);
+        }
+        self.objects.clear_forces();
         // A velocity-level step evaluates forces that depend on time at its middle.
         let time = if dt.is_some() { self.within } else { self.state.time };
-        let context = context!(self, time, self.within);
-        let mut applied = AppliedForces::new(&mut self.external, &mut self.arrows);
         for force in &mut self.forces {
-            force.evaluate(&context, &mut applied);
+            let Some(o) = force.mechanism().checked_sub(1) else {
+                let context = context!(self, 0_usize, time, self.within);
+                force.evaluate(&context, &mut AppliedForces::new(&mut self.external, &mut self.arrows));
+                if let Some(dt) = dt {
+                    force.damping(&context, &mut self.implicit_external);
+                    self.dampers.gather(&**force, &context, dt);
+                }
+                continue;
+            };
+            let (object, kinematics) = (&mut self.objects.list[o], &self.objects.ws[o]);
+            let (model, state) = (&*object.model, &object.state);
+            let context = ForceContext { model, state, kinematics, gravity: self.gravity, time, within: self.within };
+            object.external.add(&mut **force, &context, &mut self.arrows, dt);
         }
         if let Some(dt) = dt {
-            self.implicit_external.fill(0.0);
-            self.forces.iter().for_each(|force| force.damping(&context, &mut self.implicit_external));
             self.implicit_external.iter_mut().for_each(|term| *term *= dt);
-            self.dampers.gather(&self.forces, &context, dt);
+            self.objects.scale_damping(dt);
         }
     }
 
@@ -61,15 +75,18 @@ impl Plant {
     /// Calls `init` of one force model at the present state, whose kinematics it updates.
     pub(super) fn init_force(&mut self, i: usize) -> Result<(), ForceError> {
         self.update_kinematics();
-        let context = context!(self, self.state.time, self.within);
-        self.forces[i].init(&context)
+        let force = &mut self.forces[i];
+        let context = context!(self, force.mechanism(), self.state.time, self.within);
+        force.init(&context)
     }
 
     /// Calls every force model's `pass` at the present state, whose kinematics it updates.
     pub fn pass_forces(&mut self, report: &mut ReportEvent) {
         self.update_kinematics();
-        // Selects the smooth piece that begins here.
-        let context = context!(self, self.state.time, self.state.time);
-        self.forces.iter_mut().for_each(|force| force.on_corner(&context, report));
+        for force in &mut self.forces {
+            // Selects the smooth piece that begins here.
+            let context = context!(self, force.mechanism(), self.state.time, self.state.time);
+            force.on_corner(&context, report);
+        }
     }
 }

@@ -23,7 +23,7 @@ pub struct ImplicitDampers {
 }
 
 impl ImplicitDampers {
-    /// For the robot of a workspace.
+    /// For the mechanism of a workspace.
     pub fn new(ws: &Workspace) -> Self {
         ImplicitDampers { points: Vec::new(), matrix: TreeMatrix::zeros(ws.mass.pattern().clone()) }
     }
@@ -38,14 +38,14 @@ impl ImplicitDampers {
         self.points.clear();
     }
 
-    /// Collects the dampers of all force models for a step of size `dt`.
-    pub fn gather(&mut self, forces: &[Box<dyn Force>], context: &ForceContext, dt: f64) {
+    /// Adds the dampers of a force model for a step of size `dt`.
+    pub fn gather(&mut self, force: &dyn Force, context: &ForceContext, dt: f64) {
         let mut add = |d: Damper| {
             if d.coefficient > 0.0 {
                 self.points.push((d.link, d.point, dt * d.coefficient));
             }
         };
-        forces.iter().for_each(|force| force.dampers(context, &mut add));
+        force.dampers(context, &mut add);
     }
 
     /// The matrix; none when there are no dampers.

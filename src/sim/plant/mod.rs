@@ -17,6 +17,7 @@ mod friction_stiffness;
 pub mod implicit_dampers;
 pub mod kinematic_joints;
 mod mechanism_states;
+mod object_forces;
 pub mod objects;
 mod pair_vertices;
 mod parameters;

@@ -5,9 +5,11 @@
 //! ```
 //!
 //! w are the contact wrenches, which couple objects and robot ([`crate::dynamics::reduced`]). tau_o
-//! are efforts of servos that hold the home posture, friction and stops of the joints; a free body has
-//! none. Velocities of all mechanisms are stacked, the robot's first.
+//! are external forces and, of objects with joints, efforts of servos that hold a posture, of
+//! friction and of stops, by the laws of the robot ([`crate::sim::actuation`]). Velocities of all
+//! mechanisms are stacked, the robot's first.
 
+use super::object_forces::ObjectForces;
 use crate::dynamics::reduced::Mechanisms;
 use crate::dynamics::{DynamicsError, State, Workspace, body, crba, factor, kinematics, rnea};
 use crate::robot::{Link, Model};
@@ -29,6 +31,8 @@ pub struct ObjectSetup {
     pub state: State,
     /// Commands of its drives for the whole run.
     pub command: Command,
+    /// Do joint limits stop its joints?
+    pub joint_stops: bool,
 }
 
 /// An object of a run.
@@ -45,16 +49,18 @@ pub struct Object {
     kinematics_state: State,
     command: Command,
     drives: Drives,
-    stops: Vec<JointStop>,
+    stops: Option<Vec<JointStop>>,
     passive: Vec<f64>,
     implicit_passive: Vec<f64>,
+    /// External forces at the last evaluation.
+    pub(super) external: ObjectForces,
     diagonal: Vec<f64>,
     scratch: Vec<f64>,
 }
 
 impl Object {
     fn new(setup: ObjectSetup, first: usize, ws: &mut Workspace) -> Self {
-        let ObjectSetup { name, model, state, command } = setup;
+        let ObjectSetup { name, model, state, command, joint_stops } = setup;
         let (nb, nj, nv) = (model.nb(), model.nj(), model.nv());
         kinematics::update(&model, &state, ws);
         crba::mass_matrix(&model, ws);
@@ -64,9 +70,11 @@ impl Object {
             kinematics_state: state.clone(),
             command,
             drives: Drives::new(&model),
-            stops: (0..nj).map(|j| JointStop::new(&model.joints[j], ws.mass.get(nb + j, nb + j))).collect(),
+            stops: joint_stops
+                .then(|| (0..nj).map(|j| JointStop::new(&model.joints[j], ws.mass.get(nb + j, nb + j))).collect()),
             passive: vec![0.0; nj],
             implicit_passive: vec![0.0; nj],
+            external: ObjectForces::new(ws),
             diagonal: vec![0.0; nv],
             scratch: vec![0.0; nv],
             model,
@@ -98,7 +106,7 @@ impl Object {
         crba::mass_matrix(&self.model, ws);
         self.drives.begin_step();
         self.efforts(dt, tau);
-        factor::factorize_shifted(ws, &self.diagonal)?;
+        self.external.dampers.factorize(ws, &self.diagonal, &[])?;
         let (true, Some(dt)) = (self.model.nj() > 0, dt) else { return Ok(()) };
         for ((free, tau), h) in self.scratch.iter_mut().zip(tau.iter()).zip(&ws.bias) {
             *free = tau - h;
@@ -111,7 +119,7 @@ impl Object {
             | self.drives.mark_saturated(&self.model, free)
         {
             self.efforts(Some(dt), tau);
-            factor::factorize_shifted(ws, &self.diagonal)?;
+            self.external.dampers.factorize(ws, &self.diagonal, &[])?;
         }
         Ok(())
     }
@@ -121,35 +129,34 @@ impl Object {
         let (q, qd) = (&self.state.joints, &self.state.v[nb..]);
         self.drives.evaluate(&self.model, q, qd, &self.state.actuators, &self.command, dt);
         self.passive.fill(0.0);
-        let stops = Some(&self.stops[..]);
+        let stops = self.stops.as_deref();
+        self.diagonal.copy_from_slice(&self.external.implicit);
         match dt {
             None => joint_efforts::passive(&self.model, stops, q, qd, &mut self.passive),
             Some(dt) => {
                 let (passive, implicit) = (&mut self.passive, &mut self.implicit_passive);
                 joint_efforts::passive_implicit(&self.model, stops, q, qd, dt, passive, implicit);
                 let terms = implicit.iter().zip(&self.drives.implicit);
-                self.diagonal[nb..].iter_mut().zip(terms).for_each(|(sum, (passive, drive))| *sum = passive + drive);
+                self.diagonal[nb..].iter_mut().zip(terms).for_each(|(sum, (passive, drive))| *sum += passive + drive);
             }
         }
-        if dt.is_none() {
-            self.diagonal.fill(0.0);
-        }
-        tau.fill(0.0);
+        tau.copy_from_slice(&self.external.tau);
         for (tau, (servo, passive)) in tau[nb..].iter_mut().zip(self.drives.servo.iter().zip(&self.passive)) {
-            *tau = servo + passive;
+            *tau += servo + passive;
         }
     }
 
-    /// Power of its drives and power lost in its joints, W.
-    pub fn powers(&self) -> (f64, f64) {
+    /// Power of its drives, of external forces, and power lost in its joints, W.
+    pub fn powers(&self) -> [f64; 3] {
         let rates = &self.state.v[self.model.nb()..];
-        let power = |efforts: &[f64]| efforts.iter().zip(rates).map(|(e, v)| e * v).sum::<f64>();
-        (power(&self.drives.efforts), -power(&self.passive))
+        let power = |forces: &[f64], v: &[f64]| forces.iter().zip(v).map(|(e, v)| e * v).sum::<f64>();
+        let external = power(&self.external.tau, &self.state.v);
+        [power(&self.drives.efforts, rates), external, -power(&self.passive, rates)]
     }
 
-    /// Work of its drives and work lost in its joints over a velocity-level step of size `dt` that
-    /// changed its velocity by `dv`, J.
-    pub fn step_work(&self, dv: &[f64], dt: f64) -> (f64, f64) {
+    /// Work of its drives and of external forces, and work lost in its joints over a velocity-level step
+    /// of size `dt` that changed its velocity by `dv`, J.
+    pub fn step_work(&self, dv: &[f64], dt: f64) -> [f64; 3] {
         let nb = self.model.nb();
         let (mut drives, mut joints) = (0.0, 0.0);
         for (j, (servo, passive)) in self.drives.servo.iter().zip(&self.passive).enumerate() {
@@ -157,7 +164,7 @@ impl Object {
             drives += mean * (dt * servo - self.drives.implicit[j] * dv[nb + j]);
             joints -= mean * (dt * passive - self.implicit_passive[j] * dv[nb + j]);
         }
-        (drives, joints)
+        [drives, self.external.step_work(&self.state.v, dv, dt), joints]
     }
 
     /// Rates of its lagging actuators.
@@ -205,6 +212,31 @@ impl Objects {
     /// Mass of all, kg.
     pub fn mass(&self) -> f64 {
         self.list.iter().map(|object| object.model.mass()).sum()
+    }
+
+    /// Reserves memory for `number` dampers on each.
+    pub fn reserve_dampers(&mut self, number: usize) {
+        self.list.iter_mut().for_each(|object| object.external.dampers.reserve(number));
+    }
+
+    /// Removes all external forces.
+    pub fn clear_forces(&mut self) {
+        self.list.iter_mut().for_each(|object| object.external.clear());
+    }
+
+    /// Gives the implicit terms of external forces the factor `dt`.
+    pub fn scale_damping(&mut self, dt: f64) {
+        let terms = self.list.iter_mut().flat_map(|object| &mut object.external.implicit);
+        terms.for_each(|term| *term *= dt);
+    }
+
+    /// Starts lagging actuators at the efforts of their servos.
+    pub fn fill_lag(&mut self) {
+        for object in &mut self.list {
+            let (nb, state) = (object.model.nb(), &mut object.state);
+            let (q, qd) = (&state.joints, &state.v[nb..]);
+            object.drives.fill_lag(&object.model, q, qd, &object.command, &mut state.actuators);
+        }
     }
 
     /// Sets the time of their states.

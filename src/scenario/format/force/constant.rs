@@ -10,7 +10,10 @@ use crate::text::quantity::{json, non_negative, some_positive};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConstantForce {
-    /// The link; either this or `end_effector`.
+    /// The object it acts on; left out: the robot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub object: Option<String>,
+    /// The link; either this or `end_effector`. Left out with `object`: its root link.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub link: Option<String>,
     /// The end effector of the robot file, with its own frame; either this or `link`.

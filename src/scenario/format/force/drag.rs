@@ -9,6 +9,9 @@ use crate::text::quantity::{json, non_negative, some_positive};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DragForce {
+    /// The object it acts on; left out: the robot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub object: Option<String>,
     /// The link; left out: every link, each at its centre of mass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub link: Option<String>,

@@ -12,6 +12,9 @@ use crate::scenario::format::robot::JointFriction;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointFrictionForce {
+    /// The object whose joints have it; left out: the robot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub object: Option<String>,
     /// Friction of every joint that `joints` does not name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub all: Option<JointFriction>,

@@ -1,4 +1,4 @@
-//! `[[force]]`: external forces on the robot. One file per type.
+//! `[[force]]`: external forces on the robot and on objects. One file per type.
 
 mod carried_object;
 mod constant;
@@ -93,5 +93,21 @@ impl ForceSpec {
             }
         };
         Some(Grip { link: link.as_deref(), end_effector: end_effector.as_deref() })
+    }
+
+    /// The object that the entry acts on; none for the robot.
+    pub fn object(&self) -> Option<&str> {
+        let object = match self {
+            ForceSpec::Push(push) => &push.object,
+            ForceSpec::Constant(constant) => &constant.object,
+            ForceSpec::Ramp(ramp) => &ramp.object,
+            ForceSpec::Spring(spring) => &spring.object,
+            ForceSpec::RandomPushes(pushes) => &pushes.object,
+            ForceSpec::Drag(drag) => &drag.object,
+            ForceSpec::Script(script) => &script.object,
+            ForceSpec::JointFriction(friction) => &friction.object,
+            ForceSpec::CarriedObject(_) => &None,
+        };
+        object.as_deref()
     }
 }

@@ -10,8 +10,11 @@ use crate::text::quantity::{json, non_negative, some_count, some_positive};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RandomPushes {
-    /// The links, each equally likely.
-    #[schemars(length(min = 1))]
+    /// The object it acts on; left out: the robot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub object: Option<String>,
+    /// The links, each equally likely. Left out with `object`: its root link.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub links: Vec<String>,
     /// Point of application in the link's frame, m.
     #[serde(default)]

@@ -12,6 +12,9 @@ use crate::text::quantity::{json, non_negative, some_positive};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ScriptForce {
+    /// The object it acts on, which takes the place of the robot in the script; left out: the robot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub object: Option<String>,
     /// The script, relative to the scenario file.
     pub file: String,
     /// Values for its `init`.
