@@ -8,6 +8,7 @@ mod case;
 mod command;
 mod flight;
 mod impact;
+mod objects;
 mod rocking;
 mod sliding;
 mod standing;
@@ -57,6 +58,16 @@ const ROWS: &[(&str, &[(&str, Truth)])] = &[
     ),
     ("flight", &[("flight-of-boxes", flight::boxes), ("flight-of-biped", flight::boxes)]),
     (
+        "balls and boxes, terrain",
+        &[
+            ("ball-rolls-down", objects::rolls_down),
+            ("ball-begins-to-roll", objects::begins_to_roll),
+            ("box-over-edge", objects::over_edge),
+            ("box-over-seams", objects::over_seams),
+            ("block-slips-on-box", objects::slips_on_box),
+        ],
+    ),
+    (
         "double pendulum, torque-free top",
         &[
             ("double-pendulum", flight::double_pendulum),
@@ -95,7 +106,7 @@ fn every_row_of_the_table_has_scenarios_and_every_scenario_a_row() {
     let own: BTreeSet<&str> =
         found.iter().map(String::as_str).filter(|f| !ELSEWHERE.iter().any(|e| f.starts_with(e))).collect();
     assert_eq!(own, mapped);
-    assert!(ROWS.iter().all(|(row, _)| !row.is_empty()) && ROWS.len() == 14);
+    assert!(ROWS.iter().all(|(row, _)| !row.is_empty()) && ROWS.len() == 15);
 }
 
 #[test]
