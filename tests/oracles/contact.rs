@@ -1,8 +1,9 @@
 //! Compares the exact method with Pinocchio's ADMM contact solver on problems of real runs.
 //!
 //! `make_contact.py` records the problems: impacts, time steps, and soles at rest that hold or
-//! begin to slip. It documents which problems are comparable and when their solution is unique. The
-//! test compares the resultant wrench of each sole.
+//! begin to slip; `make_falls.py` those of falls onto links, terrain and boxes. The former documents
+//! which problems are comparable and when their solution is unique. The test compares the resultant
+//! wrench of each polygon.
 
 use serde::Deserialize;
 use std::collections::BTreeSet;
@@ -24,8 +25,8 @@ struct Problem {
     selection: SelectionRecord,
 }
 
-fn oracles() -> [Oracle; 2] {
-    [include_str!("contact_block.json"), include_str!("contact_hoap2.json")]
+fn oracles() -> [Oracle; 3] {
+    [include_str!("contact_block.json"), include_str!("contact_hoap2.json"), include_str!("contact_falls.json")]
         .map(|text| serde_json::from_str(text).expect("a file of make_contact.py"))
 }
 
