@@ -8,7 +8,7 @@ use crate::patches::{ConvexBody, touchable_depth};
 use crate::robot::{Base, LinkId, Model};
 use crate::scenario::{Diagnostic, Run, TouchingParts};
 use crate::sim::Floor;
-use crate::sim::bodies::{Body, FloorFriction, Host, Pair, pairs};
+use crate::sim::bodies::{Body, FLOOR, FloorFriction, Host, Pair, PairRules, pairs};
 use crate::sim::plant::objects::named_links;
 use crate::sim::setup::Start;
 use crate::terrain::{Terrain, TerrainPiece};
@@ -65,12 +65,20 @@ fn flat_body(points: &[Vector3<f64>]) -> Option<ConvexBody> {
 }
 
 /// The bodies of a run and the pairs that may touch besides terrain: objects with the floor, with each
-/// other and with the robot. Soles and links of the robot touch the floor without these.
-pub(super) fn bodies(model: &Model, robot: Vec<Body>, floor: &Floor, objects: &[Object]) -> (Vec<Body>, Vec<Pair>) {
+/// other and with the robot, and the pairs `own` of the robot's links. Soles and links of the robot touch the
+/// floor without these.
+pub(super) fn bodies(
+    model: &Model,
+    robot: Vec<Body>,
+    own: &[[LinkId; 2]],
+    floor: &Floor,
+    objects: &[Object],
+    rules: &PairRules,
+) -> (Vec<Body>, Vec<Pair>) {
     let mut bodies = Vec::new();
     if !floor.is_absent {
         bodies.push(Body {
-            name: "floor".into(),
+            name: FLOOR.into(),
             host: Host::World(floor.rotation, floor.point),
             shape: ConvexBody::half_space(),
             friction: None,
@@ -97,10 +105,14 @@ pub(super) fn bodies(model: &Model, robot: Vec<Body>, floor: &Floor, objects: &[
     };
     let may_touch = |a: &Body, b: &Body| {
         let (one, other) = (mechanism(a), mechanism(b));
-        // The robot touches the floor with its own polygons. No mechanism touches itself.
+        if let (Some(a), Some(b), Some(0), Some(0)) = (a.link(), b.link(), one, other) {
+            return own.contains(&[a.link, b.link]) || own.contains(&[b.link, a.link]);
+        }
+        // The robot touches the floor with its own polygons. No object touches itself.
         one != other && one.max(other).is_some_and(|m| m > 0) && !(is_fixed(a) && is_fixed(b))
     };
-    let pairs = pairs::pairs(&bodies, may_touch, |_, _| None);
+    let may_touch = |a: &Body, b: &Body| may_touch(a, b) && rules.touches(&a.name, &b.name);
+    let pairs = pairs::pairs(&bodies, may_touch, |a, b| rules.friction(&a.name, &b.name));
     (bodies, pairs)
 }
 
@@ -116,6 +128,7 @@ pub(super) fn overlap(
     objects: &[Object],
     (bodies, pairs): &(Vec<Body>, Vec<Pair>),
     terrain: &Terrain,
+    rules: &PairRules,
 ) -> Option<Diagnostic> {
     let workspace = |model: &Model, state: &State| {
         let mut ws = Workspace::new(model);
@@ -150,6 +163,9 @@ pub(super) fn overlap(
         for piece in near {
             let piece = terrain.piece(piece, &mut buffer);
             let (Some(other), entry) = (Body::of_piece(piece), piece.entry) else { continue };
+            if !rules.touches(&body.name, &other.name) {
+                continue;
+            }
             let key = format!("terrain.{entry}");
             found.extend(depth(body, &other).map(|depth| (depth, body.name.clone(), other.name, key)));
         }

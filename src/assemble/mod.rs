@@ -7,6 +7,7 @@
 
 mod balance;
 mod bodies;
+mod contact_pairs;
 mod events;
 mod forces;
 pub mod log_size;
@@ -79,6 +80,7 @@ pub fn setup_with(run: &Run, robot: &Robot, models: &[Arc<Robot>]) -> Result<Set
         locate: s.contact.events == EventHandling::Locate,
         forced: forced(run, &model, &mut errors),
     };
+    let pair_rules = contact_pairs::rules(run, &model, &objects, &mut errors);
     let integrator = integrator(&s.integrator);
     let imu = sensors::imu(run, &model, &mut errors);
     let estimator = sensors::estimator(run, &model, &mut errors);
@@ -101,12 +103,17 @@ pub fn setup_with(run: &Run, robot: &Robot, models: &[Arc<Robot>]) -> Result<Set
         return Err(Diagnostics(vec![error]));
     }
     let touching = bodies::robot_bodies(&model, s.robot.contact, robot.self_collision.resolution);
-    let bodies = if objects.is_empty() && terrain.is_empty() {
+    let own = if s.robot.self_contact {
+        contact_pairs::own_pairs(robot, &model, &start, &touching, &mut notes)
+    } else {
+        Vec::new()
+    };
+    let bodies = if objects.is_empty() && terrain.is_empty() && own.is_empty() {
         Default::default()
     } else {
-        bodies::bodies(&model, touching, &floor, &objects)
+        bodies::bodies(&model, touching, &own, &floor, &objects, &pair_rules)
     };
-    if let Some(error) = bodies::overlap(run, &model, &start, &objects, &bodies, &terrain) {
+    if let Some(error) = bodies::overlap(run, &model, &start, &objects, &bodies, &terrain, &pair_rules) {
         return Err(Diagnostics(vec![error]));
     }
     Ok(Setup {
@@ -125,6 +132,7 @@ pub fn setup_with(run: &Run, robot: &Robot, models: &[Arc<Robot>]) -> Result<Set
         forces,
         objects: objects.into_iter().map(|object| object.setup).collect(),
         bodies,
+        pair_rules,
         carried_objects,
         sensors: sensors::errors(&s.sensors),
         imu,

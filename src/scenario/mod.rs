@@ -44,6 +44,7 @@ pub use format::{
     change::ChangeSpec,
     compare::{CompareSpec, TruthMetric},
     contact::{ContactMethod, ContactSpec, EventHandling, ForcedState, IntegratorMethod, IntegratorSpec},
+    contact_pair::ContactPair,
     control::{AccelerationSource, ControlSpec, Estimator, InertialSpec, KinematicSpec},
     event::EventSpec,
     expect::{Expect, ExpectedOutcome},

@@ -1,6 +1,6 @@
 //! Description of one run in physical terms. [`crate::assemble`] builds it from a scenario.
 
-use super::bodies::{Body, Pair};
+use super::bodies::{Body, Pair, PairRules};
 use super::carried_object::CarriedObject;
 use super::command_source::CommandSource;
 use super::floor::{Floor, LinkHull};
@@ -118,6 +118,8 @@ pub struct Setup {
     pub objects: Vec<ObjectSetup>,
     /// Bodies that touch each other, and their pairs.
     pub bodies: (Vec<Body>, Vec<Pair>),
+    /// Rules for pairs of bodies.
+    pub pair_rules: PairRules,
     /// Objects that links carry for a time.
     pub carried_objects: Vec<CarriedObject>,
     /// Errors of the sensors; none: all readings are exact.
@@ -190,6 +192,7 @@ impl Setup {
             forces: Vec::new(),
             objects: Vec::new(),
             bodies: (Vec::new(), Vec::new()),
+            pair_rules: PairRules::default(),
             carried_objects: Vec::new(),
             sensors: None,
             imu: Imu::default(),
@@ -226,6 +229,7 @@ impl Setup {
             state: self.initial_state(),
             objects: std::mem::take(&mut self.objects),
             bodies: std::mem::take(&mut self.bodies.0),
+            pair_rules: std::mem::take(&mut self.pair_rules),
             terrain: self.terrain.clone(),
             joint_stops: self.joint_stops,
             forces: std::mem::take(&mut self.forces),

@@ -4,6 +4,7 @@ mod below;
 mod block;
 pub mod body;
 mod breakaway;
+mod contact_pairs;
 mod energy;
 mod estimators;
 mod events;

@@ -96,7 +96,7 @@ fn a_box_between_two_plates_falls_when_they_press_too_little() {
 }
 
 /// Two plates of 0.06 m that slide along x and touch a box of 0.1 m at the origin.
-fn write_gripper(path: &Path) {
+pub fn write_gripper(path: &Path) {
     let finger = |name: &str, x: f64| {
         format!(
             "<link name=\"{name}\">

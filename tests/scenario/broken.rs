@@ -209,6 +209,15 @@ const BELOW_ROBOT: &[Broken] = &[
         "`force.0.links` must name at least one link",
         "",
     ),
+    Broken("self_contact = true", (3, 16), "`robot.self_contact` requires `robot.contact = \"bodies\"`", ""),
+    Broken("[[contact.pair]]\nfriction = 0.5", (3, 1), "`contact.pair.0` lacks the key `bodies`", ""),
+    Broken("[[contact.pair]]\nbodies = [\"box\"]", (4, 10), "must be an array of length 2, not of length 1", ""),
+    Broken(
+        "[[contact.pair]]\nbodies = [\"a\", \"b\"]\nfriction = { static = 0.1, kinetic = 0.2 }",
+        (5, 38),
+        "`contact.pair.0.friction.kinetic` must not be greater",
+        "",
+    ),
     Broken("[[terrain]]\ntype = \"stair\"", (4, 8), "unknown terrain type `stair`", "did you mean `stairs`?"),
     Broken(
         "[[terrain]]\nsize = [1, 1, 1]",

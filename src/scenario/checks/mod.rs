@@ -15,7 +15,7 @@ use crate::scenario::findings::Findings;
 use crate::scenario::format::compare::CompareSpec;
 use crate::scenario::format::expect::Expect;
 use crate::scenario::format::floor::Friction;
-use crate::scenario::format::robot::{PayloadSpec, SoleSpec};
+use crate::scenario::format::robot::{PayloadSpec, SoleSpec, TouchingParts};
 use crate::scenario::key_path::KeyPath;
 use crate::text::source::Span;
 use crate::text::toml_tree::Node;
@@ -74,6 +74,14 @@ pub fn check(scenario: &Scenario, root: &Node, findings: &mut Findings) {
             check.error(&format!("contact.forced.{i}.to"), format!("must be after `from` = {}, not {to}", forced.from));
         }
     }
+    for (i, pair) in scenario.contact.pair.iter().enumerate() {
+        if let Some(friction) = pair.friction {
+            check.friction(&format!("contact.pair.{i}.friction"), friction);
+        }
+    }
+    if scenario.robot.self_contact && scenario.robot.contact != TouchingParts::Bodies {
+        check.error("robot.self_contact", "requires `robot.contact = \"bodies\"`: soles do not touch each other");
+    }
     for (i, task) in scenario.task.iter().enumerate() {
         check.task(&format!("task.{i}"), task, scenario.duration);
     }
@@ -117,6 +125,7 @@ impl Check<'_> {
             ("object", scenario.object.len()),
             ("floor.patches", scenario.floor.patches.len()),
             ("contact.forced", scenario.contact.forced.len()),
+            ("contact.pair", scenario.contact.pair.len()),
             ("robot.payload", scenario.robot.payload.len()),
             ("robot.soles", scenario.robot.soles.as_ref().map_or(0, Vec::len)),
         ];

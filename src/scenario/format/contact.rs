@@ -12,6 +12,7 @@ use crate::contact::methods::ncp::NcpParameters;
 use crate::contact::methods::penalty::PenaltyParameters;
 use crate::contact::methods::registry::{METHODS, MethodDescriptor, MethodParameters};
 
+use super::contact_pair::ContactPair;
 use crate::text::quantity::{fraction, json, non_negative, positive};
 
 /// Contact method and its parameters.
@@ -40,6 +41,9 @@ pub struct ContactSpec {
     pub events: EventHandling,
     /// Contact states imposed for a time.
     pub forced: Vec<ForcedState>,
+    /// Friction of pairs of bodies, and which of them do not touch.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pair: Vec<ContactPair>,
     /// Parameters of method `exact`.
     pub exact: ExactParameters,
     /// Parameters of method `penalty`.
@@ -67,6 +71,7 @@ impl Default for ContactSpec {
             restitution: 0.0,
             events: EventHandling::Locate,
             forced: Vec::new(),
+            pair: Vec::new(),
             exact: ExactParameters::default(),
             penalty: PenaltyParameters::default(),
             lcp: LcpParameters::default(),

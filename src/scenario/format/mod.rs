@@ -5,6 +5,7 @@
 pub mod change;
 pub mod compare;
 pub mod contact;
+pub mod contact_pair;
 pub mod control;
 mod defaults;
 pub mod event;

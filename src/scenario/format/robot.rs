@@ -48,6 +48,10 @@ pub struct RobotSpec {
     /// What touches the floor.
     #[serde(default)]
     pub contact: TouchingParts,
+    /// Whether links touch each other; requires `contact = "bodies"`. Pairs that self-collision does not monitor,
+    /// such as neighbours, do not touch, nor do those that overlap at the start.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub self_contact: bool,
     /// Treatment of inertias that no body can have. Left out: as in the robot file, else
     /// `"refuse"`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -58,6 +62,10 @@ pub struct RobotSpec {
     /// Changes to single joints, by name.
     #[serde(default)]
     pub joint: BTreeMap<String, JointSpec>,
+}
+
+fn is_false(value: &bool) -> bool {
+    !*value
 }
 
 /// Pose and velocity of the root link's frame in the world.

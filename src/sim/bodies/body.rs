@@ -37,6 +37,9 @@ pub enum FloorFriction {
     Regions,
 }
 
+/// Name of the plane of the floor.
+pub const FLOOR: &str = "floor";
+
 /// What carries a body.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Host {

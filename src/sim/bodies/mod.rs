@@ -14,8 +14,10 @@
 
 pub mod body;
 pub mod pair_patch;
+pub mod pair_rules;
 pub mod pairs;
 
-pub use body::{Body, FloorFriction, Friction, Host};
+pub use body::{Body, FLOOR, FloorFriction, Friction, Host};
 pub use pair_patch::{PairPatch, Part};
+pub use pair_rules::{PairRule, PairRules};
 pub use pairs::{Pair, PairFriction};

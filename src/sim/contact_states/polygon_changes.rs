@@ -163,6 +163,7 @@ impl RunState {
         plant.reduced = plant.reduced.with_contacts(frames, mechanisms);
         plant.polygons = polygons;
         plant.pair_bias = vec![[0.0; 6]; plant.polygons.len()];
+        plant.update_floor_rules();
         plant.method = self.contact.method.solver(&plant.problem);
         plant.refresh();
         self.projection = Solution::new(&plant.problem);

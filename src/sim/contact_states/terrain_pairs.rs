@@ -101,7 +101,12 @@ impl TerrainPairs {
                     Some(plant.bodies.len() - 1)
                 });
                 let Some(body) = *body else { continue };
-                let friction = PairFriction::of(&plant.bodies[moving.body], &plant.bodies[body]);
+                let (one, other) = (&plant.bodies[moving.body], &plant.bodies[body]);
+                if !plant.pair_rules.touches(&one.name, &other.name) {
+                    continue;
+                }
+                let rule = plant.pair_rules.friction(&one.name, &other.name);
+                let friction = rule.map_or_else(|| PairFriction::of(one, other), PairFriction::given);
                 pairs.push(Pair { bodies: (moving.body, body), links: (moving.link, None), friction });
             }
         }

@@ -2,7 +2,8 @@
 //! [`VertexRegion`], those of pairs of bodies that of both ([`crate::sim::bodies::PairFriction`]).
 
 use super::Plant;
-use crate::sim::bodies::{Friction, PairPatch};
+use super::Polygon;
+use crate::sim::bodies::{FLOOR, Friction, PairPatch};
 use crate::sim::floor::friction_regions::RegionId;
 use crate::sim::floor::patch::border_width;
 use crate::sim::floor::vertex_region::VertexRegion;
@@ -20,9 +21,21 @@ impl Plant {
         self.regions[s][i].region
     }
 
+    /// Finds the friction that rules give the present polygons on the floor.
+    pub fn update_floor_rules(&mut self) {
+        let rule = |polygon: &Polygon| match polygon {
+            Polygon::Floor(sole) => self.pair_rules.friction(&sole.name, FLOOR),
+            Polygon::Pair(_) => None,
+        };
+        self.floor_rules = self.polygons.iter().map(rule).collect();
+    }
+
     /// Whether the friction of a vertex depends on its region of the floor.
     pub fn has_region(&self, s: usize, i: usize) -> bool {
-        self.polygons[s].pair().is_none_or(|patch| patch.friction(i).has_regions())
+        match &self.polygons[s] {
+            Polygon::Floor(_) => self.floor_rules[s].is_none(),
+            Polygon::Pair(patch) => patch.friction(i).has_regions(),
+        }
     }
 
     /// Positive until a vertex has left its region, m.
@@ -79,7 +92,7 @@ impl Plant {
         let (mu_s, mu_k) = self.floor.friction(self.regions[s][i].region);
         let floor = Friction { mu_s, mu_k };
         let with = |patch: &PairPatch| patch.friction(i).with(floor);
-        let friction = self.polygons[s].pair().map_or(floor, with);
+        let friction = self.polygons[s].pair().map_or(self.floor_rules[s].unwrap_or(floor), with);
         let v = &mut self.problem.soles[s].vertices[i];
         (v.mu_s, v.mu_k) = (friction.mu_s, friction.mu_k);
     }

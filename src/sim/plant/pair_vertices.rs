@@ -10,6 +10,7 @@
 //! (c, tau) belongs to the motion a0 of the contact frame, so that conditions on a whole face have it too; d_i
 //! stays with the vertices. Where a face slides over a plane that turns, `c . n = 2 (omega x n) . v`.
 
+use super::{Plant, Polygon};
 use crate::contact::hybrid::projection::fit_plane;
 use crate::contact::model::problem::SoleProblem;
 use crate::dynamics::reduced::Reduced;
@@ -45,4 +46,21 @@ pub(super) fn set_vertices(
     let turn = Vector3::new(tilt.y, tilt.z, 0.0);
     sole.vertices.iter_mut().for_each(|v| v.bias -= mean + turn.cross(&v.r));
     [mean.x, mean.y, mean.z, turn.x, turn.y, 0.0]
+}
+
+impl Plant {
+    /// The patches of pairs of bodies, in the order of their polygons.
+    pub fn pair_patches(&self) -> impl Iterator<Item = &PairPatch> {
+        self.polygons.iter().filter_map(Polygon::pair)
+    }
+
+    /// Adds the motion of each patch that the biases of its vertices contain to that of its frame.
+    pub(super) fn add_pair_bias(&mut self) {
+        for (s, _) in self.polygons.iter().enumerate().filter(|(_, polygon)| polygon.pair().is_some()) {
+            for (r, c) in self.pair_bias[s].iter().enumerate() {
+                self.reduced.a0[6 * s + r] += c;
+                self.problem.b[6 * s + r] += c;
+            }
+        }
+    }
 }

@@ -28,7 +28,7 @@ use crate::robot::{LinkId, Model, RigidInertia, SoleId};
 use crate::sim::actuation::drives::Drives;
 use crate::sim::actuation::joint_efforts::{self, JointStop};
 use crate::sim::actuation::kinematic_paths::KinematicPaths;
-use crate::sim::bodies::{Body, PairPatch};
+use crate::sim::bodies::{Body, Friction, PairRules};
 use crate::sim::floor::{Floor, VertexRegion};
 use crate::task::Command;
 use crate::terrain::Terrain;
@@ -49,6 +49,8 @@ pub struct PlantSetup {
     pub objects: Vec<ObjectSetup>,
     /// Bodies that may touch each other.
     pub bodies: Vec<Body>,
+    /// Rules for pairs of bodies.
+    pub pair_rules: PairRules,
     /// Fixed bodies besides the floor.
     pub terrain: Arc<Terrain>,
     /// Do joint limits stop the joints?
@@ -75,6 +77,9 @@ pub struct Plant {
     pub bodies: Vec<Body>,
     /// Motion of each patch of a pair that the biases of its vertices contain, 6 per polygon.
     pub pair_bias: Vec<[f64; 6]>,
+    /// Rules for pairs of bodies, and friction that they give polygons on the floor.
+    pub pair_rules: PairRules,
+    pub(super) floor_rules: Vec<Option<Friction>>,
     /// Fixed bodies besides the floor.
     pub terrain: Arc<Terrain>,
     /// Gravity, world.
@@ -223,10 +228,13 @@ impl Plant {
             polygons: model.soles.iter().cloned().map(Polygon::Floor).collect(),
             bodies: setup.bodies,
             pair_bias: Vec::new(),
+            pair_rules: setup.pair_rules,
+            floor_rules: Vec::new(),
             terrain: setup.terrain,
             model,
         };
         plant.reserve_forces();
+        plant.update_floor_rules();
         plant
     }
 
@@ -354,12 +362,7 @@ impl Plant {
         if !self.refreshed {
             self.update_vertices();
         }
-        for (s, _) in self.polygons.iter().enumerate().filter(|(_, polygon)| polygon.pair().is_some()) {
-            for (r, c) in self.pair_bias[s].iter().enumerate() {
-                self.reduced.a0[6 * s + r] += c;
-                self.problem.b[6 * s + r] += c;
-            }
-        }
+        self.add_pair_bias();
     }
 
     /// Updates the contact frames to the kinematics.
@@ -417,11 +420,6 @@ impl Plant {
         self.method.respond(&self.problem, &self.states, &mut self.solution);
         (self.has_point_forces, self.step_loads) = (false, None);
         self.close();
-    }
-
-    /// The patches of pairs of bodies, in the order of their polygons.
-    pub fn pair_patches(&self) -> impl Iterator<Item = &PairPatch> {
-        self.polygons.iter().filter_map(Polygon::pair)
     }
 
     /// Is the floor compliant?
