@@ -24,7 +24,7 @@
 //! loaded vertices is iterated.
 
 use crate::contact::model::pressure;
-use crate::contact::model::problem::{Problem, SoleProblem};
+use crate::contact::model::problem::{Level, Problem, SoleProblem};
 use crate::contact::model::solution::{Solution, wrench_at};
 use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
 use crate::contact::search::load_split::LoadSplit;
@@ -201,7 +201,7 @@ impl CandidateSolver {
         for (x, (s, row, target)) in self.x.iter_mut().zip(&self.rows) {
             *x = target - row.dot(&p.b[6 * s..]);
         }
-        let is_split = self.split.is_of(states);
+        let is_split = p.level == Level::Acceleration && self.split.is_of(states);
         if is_split {
             self.split.update(p);
             for (x, (s, row, _)) in self.x.iter_mut().zip(&self.rows) {
