@@ -1,7 +1,7 @@
 //! Convex bodies with their features, in body frames.
 //!
 //! A body is a core with a rounding radius r: all points within r of the core. Cores are polyhedra,
-//! flat polygons, half-spaces (r = 0 for these), segments and points. An edge with the unit
+//! flat polygons, half-spaces (r = 0 for these), segments and points. Cylinders are in `cylinder`. An edge with the unit
 //! direction e borders the faces with the outward normals n_0, where it runs counter-clockwise, and
 //! n_1. The unit vectors from the edge into these faces are
 //!
@@ -20,7 +20,7 @@ pub const NO_FACE: u16 = u16::MAX;
 /// A flat face.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Face {
-    /// Indices of vertices, counter-clockwise seen from outside. Empty for half-spaces.
+    /// Indices of vertices, counter-clockwise seen from outside. Empty for half-spaces and cylinders.
     pub corners: Vec<u16>,
     /// Outward unit normal n, body frame.
     pub normal: Vector3<f64>,
@@ -38,7 +38,7 @@ pub struct Edge {
     /// Indices of vertices.
     pub ends: [u16; 2],
     /// Indices of faces. The edge runs counter-clockwise around the first. [`NO_FACE`] for
-    /// segments.
+    /// segments and cylinders.
     pub faces: [u16; 2],
     /// Whether the edge may own a patch.
     pub touchable: bool,
@@ -48,6 +48,13 @@ pub struct Edge {
     pub length: f64,
     /// Unit vectors u_0, u_1 from the edge into its faces, body frame; zero for segments.
     pub inward: [Vector3<f64>; 2],
+}
+
+impl Edge {
+    /// Whether it is that of a segment or the axis of a cylinder.
+    pub fn has_no_faces(&self) -> bool {
+        self.faces[0] == NO_FACE
+    }
 }
 
 /// A convex body in its own frame.
@@ -61,6 +68,8 @@ pub struct ConvexBody {
     pub edges: Vec<Edge>,
     /// Rounding radius r, m; zero for cores with faces.
     pub rounding: f64,
+    /// Radius of a cylinder around edge 0, m. Its vertices are the centres of its ends.
+    pub barrel: Option<f64>,
     /// Centre of the bounding sphere, m.
     pub centre: Vector3<f64>,
     /// Radius of the bounding sphere, rounding included, m; infinite for half-spaces.
@@ -104,6 +113,7 @@ impl ConvexBody {
             faces: vec![],
             edges: vec![],
             rounding: radius,
+            barrel: None,
             centre: Vector3::zeros(),
             radius,
             inner: 0.0,
@@ -125,6 +135,7 @@ impl ConvexBody {
             faces: vec![],
             edges: vec![edge],
             rounding: radius,
+            barrel: None,
             centre: Vector3::zeros(),
             radius: half_length + radius,
             inner: 0.0,
@@ -152,6 +163,7 @@ impl ConvexBody {
             faces: vec![face],
             edges: vec![],
             rounding: 0.0,
+            barrel: None,
             centre: Vector3::zeros(),
             radius: f64::INFINITY,
             inner: 0.0,
@@ -183,7 +195,7 @@ impl ConvexBody {
         let radius = vertices.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
         let depth = |face: &Face| (face.offset - face.normal.dot(&centre)).max(0.0);
         let inner = built.iter().map(depth).fold(f64::INFINITY, f64::min);
-        Some(ConvexBody { vertices, faces: built, edges, rounding: 0.0, centre, radius, inner })
+        Some(ConvexBody { vertices, faces: built, edges, rounding: 0.0, barrel: None, centre, radius, inner })
     }
 
     /// Sets whether a face may own patches. Its edges may own patches if one of their faces may.
@@ -199,9 +211,12 @@ impl ConvexBody {
         self.edges[edge as usize].touchable = touchable;
     }
 
-    /// Whether a vertex may own patches: one of its faces may, or the body has none.
+    /// Whether a vertex may own patches: one of its faces may, or the body has none or is a
+    /// cylinder.
     pub fn is_vertex_touchable(&self, vertex: u16) -> bool {
-        self.faces.is_empty() || self.faces.iter().any(|face| face.touchable && face.corners.contains(&vertex))
+        self.barrel.is_some()
+            || self.faces.is_empty()
+            || self.faces.iter().any(|face| face.touchable && face.corners.contains(&vertex))
     }
 
     /// Whether the body is a half-space: a face without corners.
@@ -224,9 +239,10 @@ impl ConvexBody {
         &self.faces[k as usize]
     }
 
-    /// Least d . x over the vertices x of the core; `d` in the body frame.
+    /// Least d . x over the points x of the core, or of a cylinder; `d` in the body frame.
     pub fn least(&self, d: &Vector3<f64>) -> f64 {
-        self.vertices.iter().map(|x| d.dot(x)).fold(f64::INFINITY, f64::min)
+        let least = self.vertices.iter().map(|x| d.dot(x)).fold(f64::INFINITY, f64::min);
+        self.barrel.map_or(least, |radius| least - radius * self.across(d).norm())
     }
 
     /// Unit vector in a face, into it from its side number `side`; body frame.

@@ -13,13 +13,15 @@
 //! incident polygon or a side of the owner, so that each corner is named by two lines: a vertex of
 //! the incident polygon, a crossing, or a corner of the owner.
 
-use super::kinematics::{Pin, edge_sign, plane_normal};
+use super::flat::Flat;
+use super::kinematics::{Pin, edge_sign, plane_normal, roundings};
+use super::parallel;
 use super::roles::Roles;
-use super::{ConvexBody, Corner, MAX_CORNERS, Owner, Placement, RESOLUTION, Topology, validity};
+use super::{ConvexBody, Corner, Feature, MAX_CORNERS, Owner, Placement, RESOLUTION, Topology, validity};
 use nalgebra::{Matrix3, Vector3};
 
 /// Cosine between the incident face and the plane below which the face is upright and has no inside.
-const UPRIGHT: f64 = 1e-6;
+pub(super) const UPRIGHT: f64 = 1e-6;
 
 /// Difference of cosines up to which faces are equally opposed to the owner's.
 const EQUAL: f64 = 1e-9;
@@ -58,7 +60,11 @@ pub fn topology(
     present: Option<u16>,
     out: &mut Topology,
 ) -> bool {
-    let is_near = if let Some(roles) = Roles::new(owner, a, pa, b, pb) {
+    let rings = std::mem::take(&mut out.rings);
+    let is_near = if let Some(flat) = Flat::of(owner, rings, [(a, pa), (b, pb)]) {
+        out.owner = owner;
+        flat.build(near, present, out)
+    } else if let Some(roles) = Roles::new(owner, a, pa, b, pb) {
         clip(&roles, near, owner, present, out)
     } else {
         pinned(a, pa, b, pb, near, owner, out)
@@ -72,7 +78,7 @@ pub fn topology(
     is_near
 }
 
-/// Topology of owners that are not faces: one corner.
+/// Topology of owners that are not faces: one corner, or two of parallel edges.
 fn pinned(
     a: &ConvexBody,
     pa: &Placement,
@@ -83,6 +89,15 @@ fn pinned(
     out: &mut Topology,
 ) -> bool {
     let corner = match owner {
+        Owner::Along(i, j) => {
+            let (a, b) = ((a, pa), (b, pb));
+            let (corners, length) = parallel::overlap((i, j), a, b);
+            (out.owner, out.incident) = (owner, None);
+            out.corners.clear();
+            out.corners.extend(corners);
+            let gap = |corner: &Corner| parallel::corner_pin((i, j), corner, a, b).1;
+            return length > 0.0 && corners.iter().any(|corner| gap(corner) <= near);
+        }
         Owner::Edges(i, j) => {
             let is_valid = has_features(out.owner, a, b) && !out.corners.is_empty();
             let before = if is_valid { plane_normal(out.owner, a, pa, b, pb) } else { Vector3::zeros() };
@@ -93,6 +108,9 @@ fn pinned(
         }
         Owner::EdgeOfAVertexOfB(_, j) => Corner::B(j),
         Owner::VertexVertex(i, _) | Owner::VertexOfAEdgeOfB(i, _) => Corner::A(i),
+        Owner::Curved(_, Feature::Vertex(j)) => Corner::B(j),
+        Owner::Curved(Feature::Rim(i) | Feature::Vertex(i), _) => Corner::A(i),
+        Owner::Curved(_, Feature::Rim(j) | Feature::Edge(j)) => Corner::B(j),
         Owner::FaceOfA(_) | Owner::FaceOfB(_) => return false,
     };
     out.axis = pa.rotation.tr_mul(&plane_normal(owner, a, pa, b, pb)).iamin() as u8;
@@ -104,10 +122,12 @@ fn pinned(
     let is_within = match owner {
         Owner::Edges(i, j) => is_on(pin.along[0], a.edge(i).length) && is_on(pin.along[1], b.edge(j).length),
         Owner::EdgeOfAVertexOfB(i, _) => is_on(pin.along[0], a.edge(i).length),
-        Owner::VertexOfAEdgeOfB(_, j) => is_on(pin.along[1], b.edge(j).length),
+        Owner::Curved(Feature::Edge(i), _) => is_on(pin.along[0], a.edge(i).length),
+        Owner::VertexOfAEdgeOfB(_, j) | Owner::Curved(_, Feature::Edge(j)) => is_on(pin.along[1], b.edge(j).length),
         _ => true,
     };
-    is_within && pin.distance - a.rounding - b.rounding <= near
+    let [r_a, r_b] = roundings(owner, a, b);
+    is_within && pin.distance - r_a - r_b <= near
 }
 
 /// Whether the bodies have the features of an owner that is a face or an edge pair.
@@ -156,7 +176,12 @@ fn clip(roles: &Roles, near: f64, owner: Owner, present: Option<u16>, out: &mut 
 /// the most near corners; of these the most opposed; of equally opposed ones `present`, or the
 /// first. On sharp ridges the most opposed face of all need not have the lowest vertex. `m`: normal
 /// of the owner in the frame of the other body.
-fn incident_face(roles: &Roles, m: &Vector3<f64>, present: Option<u16>, is_near: impl Fn(&u16) -> bool) -> Option<u16> {
+pub(super) fn incident_face(
+    roles: &Roles,
+    m: &Vector3<f64>,
+    present: Option<u16>,
+    is_near: impl Fn(&u16) -> bool,
+) -> Option<u16> {
     let (faces, vertices) = (&roles.other.faces, &roles.other.vertices);
     let height = |k: usize| m.dot(&vertices[k]);
     let lowest = (0..vertices.len()).min_by(|&i, &j| height(i).total_cmp(&height(j)))? as u16;

@@ -40,10 +40,18 @@
 //! edge, B    D' = W + s' e_A                   s' = -W . e_A - D . (omega_A x e_A)
 //!            c_A' = v_A(c_A) + s' e_A
 //! ```
+//!
+//! Cylinders on faces are in `flat`, rims in `curves`, and parallel edges in `parallel`. The side of a
+//! cylinder is its axis, an edge with the rounding R.
 
+use super::flat::Flat;
+use super::parallel;
 use super::roles::Roles;
-use super::{ConvexBody, Corner, CornerMotion, Owner, PatchGeometry, Placement, Topology};
+use super::{ConvexBody, Corner, CornerMotion, Feature, Owner, PatchGeometry, Placement, Topology};
 use nalgebra::{Matrix3, Vector3};
+
+/// A body and its placement.
+pub(super) type Placed<'a> = (&'a ConvexBody, &'a Placement);
 
 /// Computes axes and corners of a held topology. Does not allocate once `out` has room.
 pub fn geometry(
@@ -60,23 +68,54 @@ pub fn geometry(
         let n = if roles.is_owner_b { m } else { -m };
         let n_rate = roles.owner_at.omega.cross(&n);
         out.axes = axes(&n, &(roles.owner_at.rotation * face_tangent(roles.owner, roles.face)));
+        let flat = Flat::new(topology, [(a, pa), (b, pb)]);
         for corner in &topology.corners {
-            let (c, c_rate, gap) = on_face(&roles, topology.incident, corner, &m);
+            let (c, c_rate, gap) = match &flat {
+                Some(flat) => flat.corner(corner),
+                None => on_face(&roles, topology.incident, corner, &m),
+            };
             out.points.push(motion(pa, pb, c, &c_rate, gap, &n, &n_rate));
+        }
+        return;
+    }
+    if let Owner::Along(i, j) = topology.owner {
+        let (a, b) = ((a, pa), (b, pb));
+        out.axes = axes(&parallel::normal((i, j), a, b), &(pa.rotation * a.0.edge(i).direction));
+        for corner in &topology.corners {
+            let (pin, gap) = parallel::corner_pin((i, j), corner, a, b);
+            let [r_a, _] = roundings(parallel::corner_owner((i, j), corner, a, b), a.0, b.0);
+            let (c, c_rate) = (pin.core_a - pin.n * r_a, pin.core_a_rate - pin.n_rate * r_a);
+            out.points.push(motion(pa, pb, c, &c_rate, gap, &pin.n, &pin.n_rate));
         }
         return;
     }
     let pin = Pin::new(topology.owner, topology.sign, a, pa, b, pb);
     let tangent = match topology.owner {
-        Owner::Edges(i, _) | Owner::EdgeOfAVertexOfB(i, _) => pa.rotation * a.edge(i).direction,
-        Owner::VertexOfAEdgeOfB(_, j) => pb.rotation * b.edge(j).direction,
+        Owner::Edges(i, _) | Owner::EdgeOfAVertexOfB(i, _) | Owner::Curved(Feature::Edge(i), _) => {
+            pa.rotation * a.edge(i).direction
+        }
+        Owner::VertexOfAEdgeOfB(_, j) | Owner::Curved(_, Feature::Edge(j)) => pb.rotation * b.edge(j).direction,
+        Owner::Curved(Feature::Rim(_), _) => (pa.rotation * a.axis()).cross(&pin.n),
+        Owner::Curved(_, Feature::Rim(_)) => (pb.rotation * b.axis()).cross(&pin.n),
         _ => pa.rotation.column(topology.axis as usize).into(),
     };
     out.axes = axes(&pin.n, &tangent);
-    let c = pin.core_a - pin.n * a.rounding;
-    let c_rate = pin.core_a_rate - pin.n_rate * a.rounding;
-    let gap = pin.distance - a.rounding - b.rounding;
+    let [r_a, r_b] = roundings(topology.owner, a, b);
+    let c = pin.core_a - pin.n * r_a;
+    let c_rate = pin.core_a_rate - pin.n_rate * r_a;
+    let gap = pin.distance - r_a - r_b;
     out.points.extend(topology.corners.iter().map(|_| motion(pa, pb, c, &c_rate, gap, &pin.n, &pin.n_rate)));
+}
+
+/// Rounding, m, of the features of A and B of an owner that is not a face.
+pub(super) fn roundings(owner: Owner, a: &ConvexBody, b: &ConvexBody) -> [f64; 2] {
+    match owner {
+        Owner::Edges(..) | Owner::Along(..) => [a.edge_rounding(), b.edge_rounding()],
+        Owner::VertexOfAEdgeOfB(..) => [a.rounding, b.edge_rounding()],
+        Owner::EdgeOfAVertexOfB(..) => [a.edge_rounding(), b.rounding],
+        Owner::Curved(of_a, of_b) => [a.feature_rounding(of_a), b.feature_rounding(of_b)],
+        _ => [a.rounding, b.rounding],
+    }
 }
 
 /// Unit normal n of an owner, world, from B into A; zero where it is not defined.
@@ -94,6 +133,7 @@ pub(super) fn plane_normal(
             let apart = pa.point(&a.centre) - pb.point(&b.centre);
             Pin::new(owner, edge_sign(a, pa, i, b, pb, j, &apart), a, pa, b, pb).n
         }
+        Owner::Along(i, j) => parallel::normal((i, j), (a, pa), (b, pb)),
         _ => Pin::new(owner, 1.0, a, pa, b, pb).n,
     }
 }
@@ -116,7 +156,7 @@ pub(super) fn edge_sign(
     let side = cross.dot(&(into_a - into_b));
     let reference = if side.abs() > super::RESOLUTION * cross.norm() {
         side
-    } else if a.faces.is_empty() && b.faces.is_empty() {
+    } else if edge_a.has_no_faces() && edge_b.has_no_faces() {
         cross.dot(&(pa.point(a.vertex(edge_a.ends[0])) - pb.point(b.vertex(edge_b.ends[0]))))
     } else {
         cross.dot(n)
@@ -199,7 +239,8 @@ pub(super) struct Pin {
 }
 
 impl Pin {
-    /// `sign`: of e_A x e_B along n, for edge pairs. Owners that are faces have no pin: it is zero.
+    /// `sign`: of e_A x e_B along n, for edge pairs. Owners that are faces or parallel edges have no pin: it is
+    /// zero.
     pub fn new(owner: Owner, sign: f64, a: &ConvexBody, pa: &Placement, b: &ConvexBody, pb: &Placement) -> Self {
         let line = |body: &ConvexBody, at: &Placement, k: u16| {
             let edge = body.edge(k);
@@ -232,7 +273,8 @@ impl Pin {
                 let s_rate = -w.dot(&e) - apart.dot(&pa.omega.cross(&e));
                 Self::points(foot, v + e * s_rate, &apart, &(w + e * s_rate), [s, 0.0])
             }
-            Owner::FaceOfA(_) | Owner::FaceOfB(_) => {
+            Owner::Curved(of_a, of_b) => Self::curved((of_a, a, pa), (of_b, b, pb)),
+            Owner::FaceOfA(_) | Owner::FaceOfB(_) | Owner::Along(..) => {
                 let zero = Vector3::zeros();
                 Self::points(zero, zero, &zero, &zero, [0.0; 2])
             }

@@ -8,24 +8,35 @@
 //! FaceOfB(f)   n =  R_B n_f               all corners of A are above the face
 //! FaceOfA(f)   n = -R_A n_f               all corners of B are below the face
 //! Edges(a, b)  n = +-(e_A x e_B)/|e_A x e_B|
-//! others       n = (c_A - c_B)/|c_A - c_B|  nearest points of the cores; rounded bodies only
+//! Along(a, b)  n = mean of the directions between nearest points at the ends of parallel edges
+//! others       n = (c_A - c_B)/|c_A - c_B|  nearest points of the cores
 //! ```
 //!
-//! - `body`, `hull`: bodies with their features, in body frames.
+//! The others need a rounded body, or a cylinder: its rims are curved edges.
+//!
+//! - `body`, `hull`, `cylinder`: bodies with their features, in body frames.
 //! - `separation`: signed separation of a pair, and the owner of its plane.
 //! - `clipping`: the topology of a patch: which features are its corners.
+//! - `flat`, `borders`: the same, and the kinematics, of cylinders on faces.
+//! - `parallel`: patches of parallel edges of which one is round.
+//! - `curves`: nearest points of the rims of cylinders.
 //! - `kinematics`: axes, positions, gaps, velocities and bias accelerations of a held topology.
 //! - `validity`: a continuous function that is positive while the topology holds.
 //! - `reowner`: changes of the owner when only some corners stay in contact.
 //!
 //! Units: m, s, rad.
 //!
-//! Imports: nothing of this crate. Used by: `sim`, `assemble`.
+//! Imports: `math`. Used by: `sim`, `assemble`.
 
 pub mod body;
+mod borders;
 pub mod clipping;
+mod curves;
+pub mod cylinder;
+mod flat;
 pub mod hull;
 pub mod kinematics;
+mod parallel;
 pub mod reowner;
 mod roles;
 pub mod separation;
@@ -35,6 +46,7 @@ pub mod validity;
 
 pub use body::{ConvexBody, Edge, Face};
 pub use clipping::topology;
+pub use cylinder::RING;
 pub use kinematics::geometry;
 pub use reowner::reowner;
 pub use separation::{Separation, separation, touchable_depth};
@@ -94,6 +106,21 @@ pub enum Owner {
     VertexOfAEdgeOfB(u16, u16),
     /// Edge of A and vertex of B, one of them rounded.
     EdgeOfAVertexOfB(u16, u16),
+    /// Features of A and B, of which at least one is the rim of a cylinder.
+    Curved(Feature, Feature),
+    /// Parallel edges of A and B, one of them rounded or the side of a cylinder.
+    Along(u16, u16),
+}
+
+/// A feature of a body with its number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Feature {
+    /// Vertex.
+    Vertex(u16),
+    /// Edge; number 0 of a cylinder is its side.
+    Edge(u16),
+    /// Rim of an end of a cylinder.
+    Rim(u16),
 }
 
 /// A corner of a patch by the features that define it.
@@ -117,7 +144,8 @@ pub enum Corner {
 pub struct Topology {
     /// Definition of the plane.
     pub owner: Owner,
-    /// For owners that are faces: the face of the other body; `None` for bodies without faces.
+    /// For owners that are faces: the face of the other body; `None` for bodies without faces, and for
+    /// cylinders that touch with their side or a point of a rim.
     pub incident: Option<u16>,
     /// Corners, counter-clockwise about n.
     pub corners: Vec<Corner>,
@@ -125,6 +153,8 @@ pub struct Topology {
     sign: f64,
     /// Axis of A's body frame from which the tangents are built, for vertex pairs.
     axis: u8,
+    /// Directions w of the first points of the rings of A and B, in their frames; see `cylinder`.
+    rings: [Vector3<f64>; 2],
     /// Added to the functions of `validity`, in their order, so that none is zero at the start, m.
     offsets: Vec<f64>,
 }
@@ -138,8 +168,26 @@ impl Topology {
             corners: Vec::with_capacity(MAX_CORNERS),
             sign: 1.0,
             axis: 0,
+            rings: [Vector3::zeros(); 2],
             offsets: Vec::new(),
         }
+    }
+
+    /// Whether points of A or B roll on the other, so that no point of them is fixed to both.
+    pub fn rolls(&self, a: &ConvexBody, b: &ConvexBody) -> bool {
+        let is_round = |body: &ConvexBody| body.rounding > 0.0;
+        is_round(a)
+            || is_round(b)
+            || match self.owner {
+                Owner::FaceOfA(_) => b.barrel.is_some() && self.incident.is_none(),
+                Owner::FaceOfB(_) => a.barrel.is_some() && self.incident.is_none(),
+                _ => a.barrel.is_some() || b.barrel.is_some(),
+            }
+    }
+
+    /// Whether corners with the same numbers are the same points of the bodies as those of `other`.
+    pub fn has_rings_of(&self, other: &Topology) -> bool {
+        self.rings == other.rings
     }
 }
 

@@ -16,7 +16,8 @@
 //! ```
 //!
 //! with the vectors u into the faces of the edges (see `body`). Rounded bodies also need the lines
-//! between nearest points: vertex and vertex, vertex and edge.
+//! between nearest points: vertex and vertex, vertex and edge. Cylinders also need those of their rims
+//! (`curves`); the edges of parallel edges that touch along a segment replace an owner at its end.
 //!
 //! With the centres at the distance D = c_A - c_B and the distances rho_A, rho_B of the centres from
 //! the nearest faces, s(n) <= n . D - rho_A - rho_B - r_A - r_B. Candidates with a bound less than
@@ -27,9 +28,10 @@
 //! Pairs of nearest points replace them: a ball beyond the border of a face belongs to the edge,
 //! although s differs only by the square of the distance from the border.
 
-use super::kinematics::plane_normal;
+use super::curves::{Curve, apart, best_normal};
+use super::kinematics::{plane_normal, roundings};
 use super::roles::relative;
-use super::{ConvexBody, Edge, Owner, Placement};
+use super::{ConvexBody, Edge, Feature, Owner, Placement, parallel};
 use nalgebra::{Matrix3, Vector3};
 
 /// Separations closer than this, m, are equal.
@@ -92,11 +94,20 @@ pub fn separation(
     }
     if search.distance <= margin {
         search.edges();
-        if a.rounding + b.rounding > 0.0 {
+        if a.is_round() || b.is_round() {
             search.nearest_points();
         }
+        if a.barrel.is_some() || b.barrel.is_some() {
+            search.rims();
+        }
     }
-    search.result()
+    let mut found = search.result();
+    let is_touchable = |owner: &Owner| search.is_touchable(*owner);
+    if let Some(owner) = found.owner {
+        let along = parallel::owner(owner, found.touchable, (a, pa), (b, pb)).filter(is_touchable);
+        found.owner = Some(along.unwrap_or(owner));
+    }
+    found
 }
 
 /// Depth of an overlap along candidates that may own a patch, m; zero when apart.
@@ -156,6 +167,8 @@ impl Search<'_> {
             Owner::VertexVertex(i, j) => (i as usize) < a.vertices.len() && (j as usize) < b.vertices.len(),
             Owner::VertexOfAEdgeOfB(i, j) => (i as usize) < a.vertices.len() && (j as usize) < b.edges.len(),
             Owner::EdgeOfAVertexOfB(i, j) => (i as usize) < a.edges.len() && (j as usize) < b.vertices.len(),
+            Owner::Along(i, j) => (i as usize) < a.edges.len() && (j as usize) < b.edges.len(),
+            Owner::Curved(of_a, of_b) => has_feature(a, of_a) && has_feature(b, of_b),
         }
     }
 
@@ -168,6 +181,8 @@ impl Search<'_> {
             Owner::VertexVertex(i, j) => a.is_vertex_touchable(i) && b.is_vertex_touchable(j),
             Owner::VertexOfAEdgeOfB(i, j) => a.is_vertex_touchable(i) && b.edge(j).touchable,
             Owner::EdgeOfAVertexOfB(i, j) => a.edge(i).touchable && b.is_vertex_touchable(j),
+            Owner::Along(i, j) => a.edge(i).touchable && b.edge(j).touchable,
+            Owner::Curved(of_a, of_b) => is_feature_touchable(a, of_a) && is_feature_touchable(b, of_b),
         }
     }
 
@@ -217,7 +232,7 @@ impl Search<'_> {
     /// Whether an edge can matter by the bound of s(n). `towards`: direction from the centre of its
     /// body to the other centre, D or -D, in the frame of the body.
     fn may_matter(&self, body: &ConvexBody, edge: &Edge, towards: &Vector3<f64>) -> bool {
-        if body.faces.is_empty() || self.owner.is_none() {
+        if edge.has_no_faces() || self.owner.is_none() {
             return true;
         }
         let [m, o] = edge.faces.map(|k| body.face(k).normal);
@@ -240,8 +255,9 @@ impl Search<'_> {
         for (j, edge) in b.edges.iter().enumerate().take(64 * marks.len()) {
             marks[j / 64] |= u64::from(self.may_matter(b, edge, &self.between)) << (j % 64);
         }
-        let (has_faces_a, has_faces_b) = (!a.faces.is_empty(), !b.faces.is_empty());
-        let rounding = a.rounding + b.rounding;
+        let has_faces = |body: &ConvexBody| body.edges.first().is_some_and(|edge| !edge.has_no_faces());
+        let (has_faces_a, has_faces_b) = (has_faces(a), has_faces(b));
+        let rounding = a.edge_rounding() + b.edge_rounding();
         for (i, edge) in a.edges.iter().enumerate() {
             if !self.may_matter(a, edge, &towards) {
                 continue;
@@ -286,7 +302,8 @@ impl Search<'_> {
     /// sides of it. An owner that is a pair of nearest points replaces others unless it is worse.
     fn offer_points(&mut self, apart: &Vector3<f64>, owner: Owner) {
         let norm = apart.norm();
-        let value = norm - self.a.rounding - self.b.rounding;
+        let [r_a, r_b] = roundings(owner, self.a, self.b);
+        let value = norm - r_a - r_b;
         if norm < TIE || self.is_hopeless(value, -TIE) {
             return;
         }
@@ -298,7 +315,10 @@ impl Search<'_> {
 
     fn nearest_points(&mut self) {
         let (a, b) = (self.a, self.b);
-        for (i, x) in a.vertices.iter().enumerate() {
+        // The points on the axis of a cylinder are no vertices.
+        let vertices = |body: &'_ ConvexBody| if body.barrel.is_some() { 0 } else { body.vertices.len() };
+        let (of_a, of_b) = (vertices(a), vertices(b));
+        for (i, x) in a.vertices.iter().enumerate().take(of_a) {
             let x = self.r * x + self.p;
             for (j, edge) in b.edges.iter().enumerate() {
                 let from = x - b.vertex(edge.ends[0]);
@@ -310,18 +330,98 @@ impl Search<'_> {
         }
         for (i, edge) in a.edges.iter().enumerate() {
             let (e, start) = (self.r * edge.direction, self.r * a.vertex(edge.ends[0]) + self.p);
-            for (j, y) in b.vertices.iter().enumerate() {
+            for (j, y) in b.vertices.iter().enumerate().take(of_b) {
                 let s = e.dot(&(y - start));
                 if s > 0.0 && s < edge.length {
                     self.offer_points(&(start + e * s - y), Owner::EdgeOfAVertexOfB(i as u16, j as u16));
                 }
             }
         }
-        for (i, x) in a.vertices.iter().enumerate() {
+        for (i, x) in a.vertices.iter().enumerate().take(of_a) {
             let x = self.r * x + self.p;
-            for (j, y) in b.vertices.iter().enumerate() {
+            for (j, y) in b.vertices.iter().enumerate().take(of_b) {
                 self.offer_points(&(x - y), Owner::VertexVertex(i as u16, j as u16));
             }
         }
+    }
+
+    /// Nearest points of rims and other features.
+    fn rims(&mut self) {
+        if self.a.is_half_space() || self.b.is_half_space() {
+            return;
+        }
+        let (a, b) = (self.a, self.b);
+        let towards = self.r.tr_mul(&-self.between);
+        for of_a in features(a) {
+            if !self.feature_may_matter(a, of_a, &towards) {
+                continue;
+            }
+            let curve_a = Curve::new(a, of_a, &self.r, &self.p);
+            for of_b in features(b) {
+                let is_rim = |feature: &Feature| matches!(feature, Feature::Rim(_));
+                let has_rim = is_rim(&of_a) || is_rim(&of_b);
+                if has_rim && self.feature_may_matter(b, of_b, &self.between) {
+                    let curve_b = Curve::new(b, of_b, &Matrix3::identity(), &Vector3::zeros());
+                    self.offer_curves((of_a, &curve_a), (of_b, &curve_b));
+                }
+            }
+        }
+    }
+
+    fn feature_may_matter(&self, body: &ConvexBody, feature: Feature, towards: &Vector3<f64>) -> bool {
+        match feature {
+            Feature::Edge(k) => self.may_matter(body, body.edge(k), towards),
+            _ => true,
+        }
+    }
+
+    /// Candidate n of two features, if both bodies are on their sides of it. Nearest points of round
+    /// features replace other owners unless they are worse.
+    fn offer_curves(&mut self, (of_a, curve_a): (Feature, &Curve), (of_b, curve_b): (Feature, &Curve)) {
+        let n = best_normal(curve_a, curve_b);
+        if n == Vector3::zeros() {
+            return;
+        }
+        let d = apart(curve_a, curve_b, &n);
+        let rounding = self.a.feature_rounding(of_a) + self.b.feature_rounding(of_b);
+        let value = n.dot(&d) - rounding;
+        let step = if rounding > 0.0 { -TIE } else { TIE };
+        if self.is_hopeless(value, step) {
+            return;
+        }
+        // Of rounded edges only the points between their ends.
+        let t = |body: &ConvexBody, feature: Feature, along: f64| match feature {
+            Feature::Edge(k) if rounding > 0.0 => along > 0.0 && along < body.edge(k).length,
+            _ => true,
+        };
+        let is_within = t(self.a, of_a, -curve_a.axis.dot(&d)) && t(self.b, of_b, curve_b.axis.dot(&d));
+        let full = self.along(&n);
+        if is_within && full >= value - TIE {
+            self.offer(full, Owner::Curved(of_a, of_b), step);
+        }
+    }
+}
+
+/// Features that can touch a rim: rims, edges, and vertices of rounded bodies.
+fn features(body: &ConvexBody) -> impl Iterator<Item = Feature> {
+    let is_barrel = body.barrel.is_some();
+    let rims = (0..if is_barrel { 2 } else { 0 }).map(Feature::Rim);
+    let vertices = if body.rounding > 0.0 { body.vertices.len() } else { 0 };
+    rims.chain((0..body.edges.len() as u16).map(Feature::Edge)).chain((0..vertices as u16).map(Feature::Vertex))
+}
+
+fn has_feature(body: &ConvexBody, feature: Feature) -> bool {
+    match feature {
+        Feature::Vertex(k) => (k as usize) < body.vertices.len(),
+        Feature::Edge(k) => (k as usize) < body.edges.len(),
+        Feature::Rim(k) => k < 2 && body.barrel.is_some(),
+    }
+}
+
+fn is_feature_touchable(body: &ConvexBody, feature: Feature) -> bool {
+    match feature {
+        Feature::Vertex(k) => body.is_vertex_touchable(k),
+        Feature::Edge(k) => body.edge(k).touchable,
+        Feature::Rim(_) => true,
     }
 }

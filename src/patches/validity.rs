@@ -20,15 +20,22 @@
 //! s, L_A - s            coordinate of c_A on an edge of A, for edge pairs and edge and vertex
 //! t, L_B - t            coordinate of c_B on an edge of B
 //! 0.9 - |n . a|         times a distance: the axis a from which tangents are built (vertex pairs)
+//! n . (c' - c)          rims of A with the centre c: height of the centre c' of the other end
+//! R |P n|               rims of A: the plane does not lie on the end (`cylinder`); for points, signed
 //! ```
+//!
+//! Rims of B have the same with -n. Cylinders on faces are in `flat`, parallel edges in `parallel`.
 //!
 //! A function that is less than `RESOLUTION` when the topology is made has the offset
 //! `RESOLUTION` - f_k from then on. It starts with the value `RESOLUTION` and reaches zero when it
 //! has become worse by `RESOLUTION`, so that no function fires at once.
 
+use super::curves::Curve;
+use super::flat::Flat;
 use super::kinematics::Pin;
 use super::roles::Roles;
-use super::{ConvexBody, Owner, Placement, Topology};
+use super::{ConvexBody, Feature, Owner, Placement, RESOLUTION, Topology, parallel};
+use nalgebra::Vector3;
 
 /// Greatest |n . a| of the axis from which tangents of vertex pairs are built.
 const STEEPEST: f64 = 0.9;
@@ -61,35 +68,78 @@ pub(super) fn visit(
     distance_scale: f64,
     f: &mut impl FnMut(f64),
 ) {
+    if let Some(flat) = Flat::new(topology, [(a, pa), (b, pb)]) {
+        flat.visit(topology, f);
+        return;
+    }
     if let Some(roles) = Roles::new(topology.owner, a, pa, b, pb) {
         visit_face(topology, &roles, f);
         return;
     }
-    let pin = Pin::new(topology.owner, topology.sign, a, pa, b, pb);
+    let pin = match topology.owner {
+        Owner::Along(i, j) => {
+            let corners = &topology.corners;
+            parallel::visit((i, j), corners, (a, pa), (b, pb), f);
+            let Some(first) = corners.first() else { return };
+            let n = parallel::normal((i, j), (a, pa), (b, pb));
+            Pin { n, ..parallel::corner_pin((i, j), first, (a, pa), (b, pb)).0 }
+        }
+        owner => Pin::new(owner, topology.sign, a, pa, b, pb),
+    };
     let (of_a, of_b) = (pa.rotation.tr_mul(&pin.n), pb.rotation.tr_mul(&pin.n));
     let base_a = of_a.dot(&pa.rotation.tr_mul(&(pin.core_a - pa.position)));
     let base_b = pin.n.dot(&(pin.core_a - pb.position)) - pin.distance;
     let (ends_a, ends_b) = features(topology.owner, a, b);
-    for (k, x) in a.vertices.iter().enumerate() {
+    for (k, x) in a.vertices.iter().enumerate().filter(|_| a.barrel.is_none()) {
         if !ends_a.contains(&(k as u16)) {
             f(of_a.dot(x) - base_a);
         }
     }
-    for (k, y) in b.vertices.iter().enumerate() {
+    for (k, y) in b.vertices.iter().enumerate().filter(|_| b.barrel.is_none()) {
         if !ends_b.contains(&(k as u16)) {
             f(base_b - of_b.dot(y));
         }
     }
     match topology.owner {
-        Owner::Edges(i, _) | Owner::EdgeOfAVertexOfB(i, _) => between(pin.along[0], a.edge(i).length, f),
+        Owner::Edges(i, _) | Owner::EdgeOfAVertexOfB(i, _) | Owner::Curved(Feature::Edge(i), _) => {
+            between(pin.along[0], a.edge(i).length, f);
+        }
         _ => {}
     }
     match topology.owner {
-        Owner::Edges(_, j) | Owner::VertexOfAEdgeOfB(_, j) => between(pin.along[1], b.edge(j).length, f),
+        Owner::Edges(_, j) | Owner::VertexOfAEdgeOfB(_, j) | Owner::Curved(_, Feature::Edge(j)) => {
+            between(pin.along[1], b.edge(j).length, f);
+        }
         _ => {}
     }
     if let Owner::VertexVertex(..) = topology.owner {
         f((STEEPEST - of_a[topology.axis as usize].abs()) * distance_scale);
+    }
+    if let Owner::Curved(of_a, of_b) = topology.owner {
+        let core_b = pin.core_a - pin.n * pin.distance;
+        visit_rim((of_a, a, pa), of_b, &pin.core_a, &pin.n, f);
+        visit_rim((of_b, b, pb), of_a, &core_b, &-pin.n, f);
+    }
+}
+
+/// Functions of a rim that touches another feature; `p`: its point, world, m; `n`: into its body.
+fn visit_rim(
+    (feature, body, at): (Feature, &ConvexBody, &Placement),
+    other: Feature,
+    p: &Vector3<f64>,
+    n: &Vector3<f64>,
+    f: &mut impl FnMut(f64),
+) {
+    let Feature::Rim(k) = feature else { return };
+    let rim = Curve::new(body, feature, &at.rotation, &at.position);
+    f(n.dot(&(at.point(body.vertex(1 - k)) - rim.at)));
+    let arm = p - rim.at;
+    let across = n - rim.axis * rim.axis.dot(n);
+    match other {
+        // Points inside the rim have n outward.
+        Feature::Vertex(_) => f(-across.dot(&arm)),
+        // n stays on the axis there.
+        _ => f(arm.norm() * across.norm() - RESOLUTION),
     }
 }
 
@@ -101,11 +151,19 @@ fn between(t: f64, length: f64, f: &mut impl FnMut(f64)) {
 /// Vertices of A and of B that belong to the owner.
 fn features(owner: Owner, a: &ConvexBody, b: &ConvexBody) -> ([u16; 2], [u16; 2]) {
     match owner {
-        Owner::Edges(i, j) => (a.edge(i).ends, b.edge(j).ends),
+        Owner::Edges(i, j) | Owner::Along(i, j) => (a.edge(i).ends, b.edge(j).ends),
+        Owner::Curved(of_a, of_b) => (feature_ends(of_a, a), feature_ends(of_b, b)),
         Owner::VertexVertex(i, j) => ([i; 2], [j; 2]),
         Owner::VertexOfAEdgeOfB(i, j) => ([i; 2], b.edge(j).ends),
         Owner::EdgeOfAVertexOfB(i, j) => (a.edge(i).ends, [j; 2]),
         Owner::FaceOfA(i) | Owner::FaceOfB(i) => ([i; 2], [i; 2]),
+    }
+}
+
+fn feature_ends(feature: Feature, body: &ConvexBody) -> [u16; 2] {
+    match feature {
+        Feature::Vertex(k) | Feature::Rim(k) => [k; 2],
+        Feature::Edge(k) => body.edge(k).ends,
     }
 }
 

@@ -4,7 +4,7 @@ use super::*;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4};
 
 /// Where `f` changes from positive to negative in [low, high].
-fn root(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+pub fn root(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     assert!(f(low) > 0.0 && f(high) < 0.0, "{} {}", f(low), f(high));
     for _ in 0..100 {
         let middle = (low + high) / 2.0;

@@ -1,5 +1,7 @@
 //! Tests of the patches: closed forms, oracles, finite differences, events.
 
+mod cylinder_events;
+mod cylinders;
 mod events;
 mod oracle;
 mod rates;
@@ -73,6 +75,8 @@ pub fn swap(owner: Owner) -> Owner {
         Owner::VertexVertex(i, j) => Owner::VertexVertex(j, i),
         Owner::VertexOfAEdgeOfB(i, j) => Owner::EdgeOfAVertexOfB(j, i),
         Owner::EdgeOfAVertexOfB(i, j) => Owner::VertexOfAEdgeOfB(j, i),
+        Owner::Curved(i, j) => Owner::Curved(j, i),
+        Owner::Along(i, j) => Owner::Along(j, i),
     }
 }
 

@@ -103,6 +103,7 @@ fn rounded_bodies_have_the_distance_of_their_cores() {
             Owner::VertexVertex(..) => 3,
             Owner::VertexOfAEdgeOfB(..) => 4,
             Owner::EdgeOfAVertexOfB(..) => 5,
+            Owner::Curved(..) | Owner::Along(..) => unreachable!(),
         }] += 1;
     }
     assert!(kinds[0] == 0 && kinds[1..].iter().all(|&count| count > 10), "{kinds:?}");

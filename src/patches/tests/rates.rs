@@ -8,7 +8,7 @@ use super::*;
 const H: f64 = 3e-4;
 
 /// The pair after the time `t`, with constant angular velocities and accelerations of the origins.
-fn advance(pair: &Pair, accelerations: &[Vector3<f64>; 2], t: f64) -> Pair {
+pub fn advance(pair: &Pair, accelerations: &[Vector3<f64>; 2], t: f64) -> Pair {
     let move_one = |p: &Placement, a: &Vector3<f64>| Placement {
         rotation: turn(p.omega * t) * p.rotation,
         position: p.position + p.velocity * t + a * (t * t / 2.0),
@@ -19,19 +19,19 @@ fn advance(pair: &Pair, accelerations: &[Vector3<f64>; 2], t: f64) -> Pair {
 }
 
 /// First derivative of `f` at zero.
-fn rate(f: impl Fn(f64) -> Vector3<f64>) -> Vector3<f64> {
+pub fn rate(f: impl Fn(f64) -> Vector3<f64>) -> Vector3<f64> {
     let central = |h: f64| (f(h) - f(-h)) / (2.0 * h);
     (central(H / 2.0) * 4.0 - central(H)) / 3.0
 }
 
 /// Second derivative of `f` at zero.
-fn second(f: impl Fn(f64) -> f64) -> f64 {
+pub fn second(f: impl Fn(f64) -> f64) -> f64 {
     let central = |h: f64| (f(h) - 2.0 * f(0.0) + f(-h)) / (h * h);
     (4.0 * central(2.0 * H) - central(4.0 * H)) / 3.0
 }
 
 /// Checks all corners of a topology with gaps up to `near`; returns their number.
-fn check(pair: &Pair, topology: &Topology, near: f64, name: &str) -> usize {
+pub fn check(pair: &Pair, topology: &Topology, near: f64, name: &str) -> usize {
     let accelerations = [Vector3::new(0.3, -0.7, 0.4), Vector3::new(-0.5, 0.2, 0.9)];
     let of = |t: f64| advance(pair, &accelerations, t).geometry(topology);
     let now = of(0.0);
@@ -57,7 +57,7 @@ fn check(pair: &Pair, topology: &Topology, near: f64, name: &str) -> usize {
 }
 
 /// Brings a pair to contact, gives it velocities, and checks it and its mirror image.
-fn check_touching(mut pair: Pair, expected: Owner, name: &str) {
+pub fn check_touching(mut pair: Pair, expected: Owner, name: &str) {
     let owner = pair.touch();
     assert_eq!(owner, expected, "{name}");
     for gap in [0.0, 0.01] {
@@ -71,7 +71,7 @@ fn check_touching(mut pair: Pair, expected: Owner, name: &str) {
     }
 }
 
-fn moving(seed: u64, rotation: Matrix3<f64>, x: f64, y: f64, z: f64) -> Placement {
+pub fn moving(seed: u64, rotation: Matrix3<f64>, x: f64, y: f64, z: f64) -> Placement {
     let mut random = Random::new(seed);
     let (velocity, omega) = (random.vector(), random.vector() * 2.0);
     Placement { velocity, omega, ..at(rotation, x, y, z) }

@@ -12,8 +12,8 @@
 //! e = n gap + t ((x_A + R_A p_A) - (x_B + R_B p_B))
 //! ```
 //!
-//! p_A, p_B are these points in the bodies' frames, and t projects onto the plane. Points of a rounded body
-//! roll and have no anchor.
+//! p_A, p_B are these points in the bodies' frames, and t projects onto the plane. Points of rounded bodies, and
+//! of the sides and rims of cylinders, roll and have no anchor.
 
 use super::{Body, Pair};
 use crate::dynamics::reduced::Mechanisms;
@@ -128,7 +128,7 @@ impl PairPatch {
         let (a, b) = (&bodies[part.pair.bodies.0], &bodies[part.pair.bodies.1]);
         PairPatch {
             name: format!("{} on {}", a.name, b.name),
-            rolls: a.shape.rounding > 0.0 || b.shape.rounding > 0.0,
+            rolls: part.topology.rolls(&a.shape, &b.shape),
             parts: vec![part],
             vertices: Vec::new(),
             anchors: Vec::new(),
@@ -241,9 +241,12 @@ impl PairPatch {
         self.anchors[i] = Anchor { a: local(a), b: local(b) };
     }
 
-    /// Takes over the anchor of vertex `k` of a former patch as that of vertex `i`.
+    /// Takes over the anchor of vertex `k` of a former patch as that of vertex `i`, if it is the same point.
     pub fn take_anchor(&mut self, i: usize, former: &PairPatch, k: usize) {
-        self.anchors[i] = former.anchors[k];
+        let (part, old) = (&self.parts[self.vertices[i].0], &former.parts[former.vertices[k].0]);
+        if part.topology.has_rings_of(&old.topology) {
+            self.anchors[i] = former.anchors[k];
+        }
     }
 
     /// Position error of a vertex relative to its anchor, patch axes, m: along the normal its gap.
