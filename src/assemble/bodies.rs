@@ -5,7 +5,7 @@ use crate::collision::spatial::shape_points;
 use crate::dynamics::reduced::{BodyId, Mechanisms};
 use crate::dynamics::{State, Workspace, kinematics};
 use crate::patches::{ConvexBody, touchable_depth};
-use crate::robot::{Base, LinkId, Model};
+use crate::robot::{Base, Geometry, LinkId, Model};
 use crate::scenario::{Diagnostic, Run, TouchingParts};
 use crate::sim::Floor;
 use crate::sim::bodies::{Body, FLOOR, FloorFriction, Host, Pair, PairRules, pairs};
@@ -14,8 +14,9 @@ use crate::sim::setup::Start;
 use crate::terrain::{Terrain, TerrainPiece};
 use nalgebra::Vector3;
 
-/// What of the robot touches terrain and objects: its soles, or the convex hulls of all links, to which
-/// the soles belong. `resolution` is the number of corners to a circle.
+/// What of the robot touches terrain and objects: its soles, or all links. A link whose collision geometry is
+/// one ball, capsule or cylinder, without a sole, has this shape. Other links have the convex hull of
+/// all their shapes and soles, in which `resolution` is the number of corners to a circle.
 pub(super) fn robot_bodies(model: &Model, parts: TouchingParts, resolution: usize) -> Vec<Body> {
     let host = |link: LinkId| Host::Link(BodyId { mechanism: 0, link });
     match parts {
@@ -37,21 +38,39 @@ pub(super) fn robot_bodies(model: &Model, parts: TouchingParts, resolution: usiz
                 let name = model.links[link.0].name.clone();
                 Body { name, host: host(link), shape, friction: None, floor: FloorFriction::None }
             };
-            link_hulls(model, resolution).into_iter().map(body).collect()
+            link_shapes(model, resolution).into_iter().map(body).collect()
         }
     }
 }
 
-/// Convex hulls of the collision shapes of all links, to which the soles belong. `resolution` is the
-/// number of corners to a circle.
-pub(super) fn link_hulls(model: &Model, resolution: usize) -> Vec<(LinkId, ConvexBody)> {
+/// Shapes of all links: of one with a single round collision shape and without soles that shape, of others
+/// the convex hull of their shapes and soles. `resolution` is the number of corners to a circle.
+pub(super) fn link_shapes(model: &Model, resolution: usize) -> Vec<(LinkId, ConvexBody)> {
     let of_link = |(i, link): (usize, &crate::robot::Link)| {
+        if let Some(shape) = single_shape(model, LinkId(i)) {
+            return Some((LinkId(i), shape));
+        }
         let soles = model.soles.iter().filter(|sole| sole.link.0 == i).flat_map(|sole| &sole.vertices);
         let shapes = link.collisions.iter().flat_map(|shape| shape_points(shape, resolution));
         let points: Vec<Vector3<f64>> = shapes.chain(soles.copied()).collect();
         Some((LinkId(i), ConvexBody::from_points(&points).or_else(|| flat_body(&points))?))
     };
     model.links.iter().enumerate().filter_map(of_link).collect()
+}
+
+/// The shape of a link with one round collision shape and without soles.
+fn single_shape(model: &Model, link: LinkId) -> Option<ConvexBody> {
+    let [shape] = &model.links[link.0].collisions[..] else { return None };
+    let exact = match shape.geometry {
+        Geometry::Sphere(radius) => ConvexBody::ball(radius),
+        Geometry::Capsule(radius, length) => ConvexBody::capsule(0.5 * length, radius),
+        Geometry::Cylinder(radius, length) => ConvexBody::cylinder(0.5 * length, radius),
+        // The hulls of boxes are exact too.
+        Geometry::Box(_) | Geometry::Mesh(..) => return None,
+    };
+    let has_volume = exact.radius > 0.0 && exact.inner + exact.edge_rounding() > 0.0;
+    let has_sole = model.soles.iter().any(|sole| sole.link == link);
+    (has_volume && !has_sole).then(|| exact.placed(&shape.pose))
 }
 
 /// A convex polygon, a line or a point.

@@ -1,6 +1,6 @@
 //! Objects that are mechanisms: a robot file or URDF with joints, which are free or held by servos.
 
-use super::bodies::link_hulls;
+use super::bodies::link_shapes;
 use super::names::{self, Owner};
 use super::objects::{Object, initial_state, own_friction};
 use crate::robot::adjustments::{self, DriveSettings};
@@ -72,7 +72,7 @@ pub(super) fn object(
         check_range(run, spec, &model, (&path, "target"), id.0, q, errors);
         held[id.0] = q;
     }
-    let bodies = link_hulls(&model, robot.self_collision.resolution);
+    let bodies = link_shapes(&model, robot.self_collision.resolution);
     let command = Command::hold(&model, &held);
     let joint_stops = spec.joint_limits == JointLimits::Stop;
     let friction = own_friction(entry);

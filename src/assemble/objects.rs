@@ -66,6 +66,13 @@ pub(super) fn objects(
                 let (shape, geometry) = (ConvexBody::capsule(0.5 * l, r), Geometry::Capsule(r, l));
                 Some(object(&spec.entry(), name, Solid::centred(shape, geometry, capsule.mass, capsule_inertia(r, l))))
             }
+            ObjectSpec::Cylinder(cylinder) => {
+                let (r, l) = (cylinder.radius, cylinder.length);
+                let across = r * r / 4.0 + l * l / 12.0;
+                let inertia = Vector3::new(across, across, r * r / 2.0);
+                let (shape, geometry) = (ConvexBody::cylinder(0.5 * l, r), Geometry::Cylinder(r, l));
+                Some(object(&spec.entry(), name, Solid::centred(shape, geometry, cylinder.mass, inertia)))
+            }
         };
         objects.extend(object);
     }

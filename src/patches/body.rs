@@ -1,8 +1,8 @@
 //! Convex bodies with their features, in body frames.
 //!
 //! A body is a core with a rounding radius r: all points within r of the core. Cores are polyhedra,
-//! flat polygons, half-spaces (r = 0 for these), segments and points. Cylinders are in `cylinder`. An edge with the unit
-//! direction e borders the faces with the outward normals n_0, where it runs counter-clockwise, and
+//! flat polygons, half-spaces (r = 0 for these), segments and points; for cylinders see `cylinder`. An
+//! edge with the unit direction e borders the faces with the outward normals n_0, where it runs counter-clockwise, and
 //! n_1. The unit vectors from the edge into these faces are
 //!
 //! ```text

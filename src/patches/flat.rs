@@ -20,11 +20,13 @@
 //! height of x                                   vertices x of I outside its face
 //! R (|P m| - 1/2) or, if that is less,
 //! R |P m| (u . w - 1/2)                         w: u when the topology was made
+//! R (|P m| - `LANDED`)                           rims: the end is not flat
 //! R (max_k -P m . w_k - |P m|)                  ends of I: the rim is not below the ring
 //! R (`TIPPED` - |P m|)                          ends of I
 //! ```
 //!
-//! The third is negative when the axis has passed the normal, where u jumps to the other side. A crossing z with
+//! The third is negative when the axis has passed the normal, where u jumps to the other side. There u keeps to
+//! that of w, so that the motion up to the event is smooth. A crossing z with
 //! the tangent e of I's border and the normal q of O's border in the plane (`borders`) moves with
 //!
 //! ```text
@@ -33,17 +35,23 @@
 //! ```
 
 use super::borders::{Border, Crossing};
-use super::cylinder::{RING, rim_edge, ring_of, ring_vertex, side_of_rim};
+use super::cylinder::{RING, rim_edge, ring_of, ring_vertex, shortest, side_of_rim};
 use super::kinematics::Placed;
 use super::roles::Roles;
-use super::{Corner, MAX_CORNERS, Owner, RESOLUTION, Topology, clipping};
+use super::{ConvexBody, Corner, MAX_CORNERS, Owner, Placement, RESOLUTION, Topology, clipping};
 use nalgebra::Vector3;
 
 /// Sine of the tilt beyond which an end does not touch with its ring.
 const TIPPED: f64 = 1e-3;
 
+/// Sine of the tilt at which a rim that comes down becomes an end: closer to the normal, noise moves its point.
+const LANDED: f64 = 1e-6;
+
+/// Sine of the tilt below which the rim point must not go to the other side.
+const STEEP: f64 = 0.5;
+
 /// Sine of a tilt up to which an end has no direction of its own.
-const LEVEL: f64 = 1e-9;
+const LEVEL: f64 = 1e-7;
 
 /// A point of the patch while it is made.
 struct Point {
@@ -86,12 +94,15 @@ impl<'a> Flat<'a> {
         self.roles.other_at.rotation.tr_mul(&self.m)
     }
 
-    /// u, world, of a cylinder that touches with its rim or its side.
-    fn side(&self) -> Option<Vector3<f64>> {
+    /// u, world, of a cylinder that touches with its rim or its side, and |P m| with the sign of its equation.
+    fn side(&self) -> Option<(Vector3<f64>, f64)> {
         let Roles { other, other_at, .. } = self.roles;
         other.barrel.filter(|_| self.incident.is_none())?;
-        let across = other.across(&self.down());
-        Some(other_at.rotation * across.try_normalize(f64::MIN_POSITIVE).unwrap_or_default() * -1.0)
+        let (across, w) = (other.across(&self.down()), self.rings[1]);
+        let tilt = across.norm();
+        let size = if tilt < STEEP && across.dot(&w) > 0.0 { -tilt } else { tilt };
+        let u = if size == 0.0 { w } else { across / -size };
+        Some((other_at.rotation * u, size))
     }
 
     fn height(&self, x: &Vector3<f64>) -> f64 {
@@ -121,7 +132,7 @@ impl<'a> Flat<'a> {
         let Some(radius) = other.barrel else { return other_at.point(other.vertex(k)) };
         match ring_of(k) {
             Some((end, k)) => other_at.point(&other.ring_point(end, k, &self.rings[1])),
-            None => other_at.point(other.vertex(k)) + self.side().unwrap_or_default() * radius,
+            None => other_at.point(other.vertex(k)) + self.side().unwrap_or_default().0 * radius,
         }
     }
 
@@ -185,7 +196,7 @@ impl<'a> Flat<'a> {
                 let (centre, axis) = (other_at.point(other.vertex(end)), other_at.rotation * other.axis());
                 Border::Circle { centre, axis, radius }
             }
-            (Some(radius), None, Some(u)) => {
+            (Some(radius), None, Some((u, _))) => {
                 let (start, along) = (other_at.point(other.vertex(0)), other_at.rotation * other.axis());
                 Border::Line { start: start + u * radius, along, length: other.edge(0).length }
             }
@@ -252,11 +263,10 @@ impl<'a> Flat<'a> {
     /// R u'_I, m/s.
     fn slip(&self) -> Vector3<f64> {
         let Roles { owner_at, other, other_at, .. } = self.roles;
-        let (Some(u), Some(radius)) = (self.side(), other.barrel) else { return Vector3::zeros() };
+        let (Some((u, size)), Some(radius)) = (self.side(), other.barrel) else { return Vector3::zeros() };
         let t = (other_at.rotation * other.axis()).cross(&u);
         let turn = (owner_at.omega - other_at.omega).cross(&self.m);
-        let size = other.across(&self.down()).norm();
-        if size > 0.0 { t * (-radius * t.dot(&turn) / size) } else { t }
+        if size == 0.0 { Vector3::zeros() } else { t * (-radius * t.dot(&turn) / size) }
     }
 
     /// Chooses the end of I and the directions of rings, then the corners; see [`super::topology`].
@@ -291,8 +301,7 @@ impl<'a> Flat<'a> {
             out.corners.reverse();
         }
         out.incident = self.incident;
-        let used =
-            |body: &super::ConvexBody, ring: Vector3<f64>| if body.barrel.is_some() { ring } else { Vector3::zeros() };
+        let used = |body: &ConvexBody, ring: Vector3<f64>| if body.barrel.is_some() { ring } else { Vector3::zeros() };
         let rings = [used(owner, self.rings[0]), used(other, self.rings[1])];
         out.rings = if is_owner_b { [rings[1], rings[0]] } else { rings };
         is_near
@@ -305,11 +314,16 @@ impl<'a> Flat<'a> {
         let across = other.across(&down);
         let tilt = across.norm();
         let end = u16::from(other.axis().dot(&down) < 0.0);
-        let lowest = if tilt > LEVEL { across / -tilt } else { other.any_across() };
+        let lowest = match self.rings[1] {
+            _ if tilt > LEVEL => across / -tilt,
+            w if w == Vector3::zeros() => other.any_across(),
+            w => w,
+        };
         let kept = present == Some(end) && self.rings[1] != Vector3::zeros();
         let ring = if kept { self.rings[1] } else { lowest };
         let below = radius * (tilt - other.along_ring(&-across, &ring));
-        let is_flat = 2.0 * radius * tilt <= near.max(RESOLUTION) && below <= 0.5 * RESOLUTION;
+        let is_level = tilt <= 1.001 * LANDED || 2.0 * radius * tilt <= near;
+        let is_flat = is_level && below <= 0.5 * RESOLUTION;
         self.incident = is_flat.then_some(end);
         self.rings[1] = if is_flat { ring } else { lowest };
     }
@@ -318,7 +332,7 @@ impl<'a> Flat<'a> {
     /// into it. Returns whether there are any.
     fn turn_rings(&mut self) -> bool {
         let Roles { owner, owner_at, face, other, other_at, .. } = self.roles;
-        let toward = |body: &super::ConvexBody, at: &super::Placement, end: u16, x: Vector3<f64>| {
+        let toward = |body: &ConvexBody, at: &Placement, end: u16, x: Vector3<f64>| {
             body.across(&(at.rotation.tr_mul(&(x - at.position)) - body.vertex(end))).try_normalize(LEVEL)
         };
         let mut turned = false;
@@ -335,6 +349,28 @@ impl<'a> Flat<'a> {
             }
         }
         turned
+    }
+
+    /// The rings turned towards the load at `x`, world, m, which is on a side of the polygon between two points
+    /// of a ring: `None` if no ring has such a side. In the order of the topology.
+    pub fn turned(&self, x: &Vector3<f64>) -> Option<[Vector3<f64>; 2]> {
+        let Roles { owner, owner_at, face, other, other_at, is_owner_b, .. } = self.roles;
+        let toward = |body: &ConvexBody, at: &Placement, end: u16, ring: &Vector3<f64>| {
+            let radius = body.barrel?;
+            let across = body.across(&(at.rotation.tr_mul(&(x - at.position)) - body.vertex(end)));
+            let w = across.try_normalize(0.5 * radius)?;
+            let rim = body.vertex(end) + w * radius;
+            let is_point = (0..RING).any(|k| (body.ring_point(end, k, ring) - rim).norm() <= RESOLUTION);
+            // The sides are at R cos(pi/RING) or more from the axis.
+            (across.norm() > radius * shortest() - RESOLUTION && !is_point).then_some(w)
+        };
+        let of_other = self.incident.and_then(|end| toward(other, other_at, end, &self.rings[1]));
+        let of_owner = toward(owner, owner_at, face, &self.rings[0]).filter(|_| self.has_inside());
+        if of_owner.is_none() && of_other.is_none() {
+            return None;
+        }
+        let rings = [of_owner.unwrap_or(self.rings[0]), of_other.unwrap_or(self.rings[1])];
+        Some(if is_owner_b { [rings[1], rings[0]] } else { rings })
     }
 
     /// Point of the border of O, or else of I, nearest to `x`.
@@ -408,7 +444,8 @@ impl<'a> Flat<'a> {
                 f(radius * (TIPPED - tilt));
             } else {
                 let turned = -across.dot(&self.rings[1]) - 0.5 * tilt;
-                f(radius * turned.max(tilt - 0.5));
+                f(radius * turned.max(tilt - STEEP));
+                f(radius * (tilt - LANDED));
             }
         } else if let Some(face) = self.incident {
             let corners = &other.face(face).corners;

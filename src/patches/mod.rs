@@ -46,7 +46,7 @@ pub mod validity;
 
 pub use body::{ConvexBody, Edge, Face};
 pub use clipping::topology;
-pub use cylinder::RING;
+pub use cylinder::{RING, turn_ring};
 pub use kinematics::geometry;
 pub use reowner::reowner;
 pub use separation::{Separation, separation, touchable_depth};

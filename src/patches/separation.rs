@@ -375,8 +375,9 @@ impl Search<'_> {
         }
     }
 
-    /// Candidate n of two features, if both bodies are on their sides of it. Nearest points of round
-    /// features replace other owners unless they are worse.
+    /// Candidate n of two features, if both bodies are on their sides of it. Features whose points are between
+    /// the ends of edges replace other owners unless they are worse: a rim that leaves a face has a normal that
+    /// turns, and s differs only by the square of the distance from the border.
     fn offer_curves(&mut self, (of_a, curve_a): (Feature, &Curve), (of_b, curve_b): (Feature, &Curve)) {
         let n = best_normal(curve_a, curve_b);
         if n == Vector3::zeros() {
@@ -385,18 +386,18 @@ impl Search<'_> {
         let d = apart(curve_a, curve_b, &n);
         let rounding = self.a.feature_rounding(of_a) + self.b.feature_rounding(of_b);
         let value = n.dot(&d) - rounding;
-        let step = if rounding > 0.0 { -TIE } else { TIE };
-        if self.is_hopeless(value, step) {
-            return;
-        }
-        // Of rounded edges only the points between their ends.
-        let t = |body: &ConvexBody, feature: Feature, along: f64| match feature {
-            Feature::Edge(k) if rounding > 0.0 => along > 0.0 && along < body.edge(k).length,
+        let is_on = |body: &ConvexBody, feature: Feature, along: f64| match feature {
+            Feature::Edge(k) => along > 0.0 && along < body.edge(k).length,
             _ => true,
         };
-        let is_within = t(self.a, of_a, -curve_a.axis.dot(&d)) && t(self.b, of_b, curve_b.axis.dot(&d));
+        let is_between = is_on(self.a, of_a, -curve_a.axis.dot(&d)) && is_on(self.b, of_b, curve_b.axis.dot(&d));
+        let step = if is_between { -TIE } else { TIE };
+        // Beyond the ends of rounded edges their vertices have other normals.
+        if self.is_hopeless(value, step) || !is_between && rounding > 0.0 {
+            return;
+        }
         let full = self.along(&n);
-        if is_within && full >= value - TIE {
+        if full >= value - TIE {
             self.offer(full, Owner::Curved(of_a, of_b), step);
         }
     }

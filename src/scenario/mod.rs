@@ -53,7 +53,10 @@ pub use format::{
         AnchorSpec, CarriedObject, ConstantForce, Directions, DragForce, ForceFrame, ForceSpec, JointFrictionForce,
         PathShape, Profile, PushForce, RampForce, RandomPushes, ScriptForce, SineSpec, SpringForce, WaypointSpec,
     },
-    object::{BoxObject, CapsuleObject, MeshObject, ModelObject, ObjectEntry, ObjectSpec, ServoSpec, SphereObject},
+    object::{
+        BoxObject, CapsuleObject, CylinderObject, MeshObject, ModelObject, ObjectEntry, ObjectSpec, ServoSpec,
+        SphereObject,
+    },
     random::{Distribution, RandomSpec, Sampling},
     robot::{
         BaseSpec, InertiaSpec, JointDefault, JointFriction, JointLimits, JointMode, JointSpec, PayloadSpec, RobotSpec,

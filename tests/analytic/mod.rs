@@ -5,6 +5,7 @@ mod block;
 pub mod body;
 mod breakaway;
 mod contact_pairs;
+mod curved;
 mod energy;
 mod estimators;
 mod events;

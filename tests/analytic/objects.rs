@@ -11,20 +11,20 @@ const ALONE: &str = "robot = { model = \"robots/ground/ground.urdf\" }
     contact = { distance_tolerance = 1e-8, velocity_tolerance = 1e-8, acceleration_tolerance = 1e-8 }
     log = { rate = 0 }\n";
 
-fn finished(scenario: &str) -> (Simulation, Metrics) {
+pub(super) fn finished(scenario: &str) -> (Simulation, Metrics) {
     let mut sim = simulation(&format!("{ALONE}{scenario}"));
     let metrics = finish(&mut sim, &mut NullObserver);
     (sim, metrics)
 }
 
 /// Position and velocities of object `o`.
-fn motion(sim: &Simulation, o: usize) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
+pub(super) fn motion(sim: &Simulation, o: usize) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
     let state = &sim.plant().objects.list[o].state;
     let part = |k: usize| Vector3::from_column_slice(&state.v[k..k + 3]);
     (state.position, part(0), part(3))
 }
 
-fn assert_clean(m: &Metrics) {
+pub(super) fn assert_clean(m: &Metrics) {
     assert!(m.max_penetration_m < 1e-9 && m.energy_error_j.abs() < 1e-9 && m.inconsistent == 0, "{m:?}");
     assert!(m.max_cone_excess < 1e-9 && m.max_tension_n < 1e-9, "{m:?}");
 }

@@ -147,6 +147,18 @@ const BELOW_ROBOT: &[Broken] = &[
         "",
     ),
     Broken(
+        "[[object]]\ntype = \"cylinder\"\nradius = 1\nlength = -0.2\nmass = 1",
+        (6, 10),
+        "`object.0.length` must be greater than 0, not -0.2",
+        "",
+    ),
+    Broken(
+        "[[object]]\ntype = \"cylinder\"\nradius = 1e-9\nlength = 1\nmass = 1",
+        (5, 10),
+        "`object.0.radius` must be from 0.000001 to 1000000 m, not 0.000000001",
+        "",
+    ),
+    Broken(
         "[[object]]\ntype = \"box\"\nsize = [1, 1, 1e7]\nmass = 1",
         (5, 15),
         "`object.0.size.2` must be from 0.000001 to 1000000 m, not 10000000",

@@ -266,7 +266,9 @@ fn parallel_edges_have_two_corners_with_exact_rates() {
     let roof = ConvexBody::cuboid(Vector3::new(0.3, 0.3, 0.6));
     // B's uppermost edge or side is along y at x = z = 0 after the shift.
     let along = turn(Vector3::x() * FRAC_PI_2);
-    let cases: [(ConvexBody, ConvexBody, Matrix3<f64>, f64, [usize; 2]); 6] = [
+    // A, B, its rotation and height; number of corners of A and of B.
+    type Case = (ConvexBody, ConvexBody, Matrix3<f64>, f64, [usize; 2]);
+    let cases: [Case; 6] = [
         (capsule(0.5), capsule(0.3), along, 0.1, [1, 1]),
         (capsule(0.2), roof.clone(), quarter, 0.3 * 2.0f64.sqrt(), [2, 0]),
         (capsule(0.5), rod(), along, 0.2, [1, 1]),

@@ -36,6 +36,11 @@ impl Check<'_> {
                     self.length(&format!("{path}.length"), spec.length);
                     spec.mass
                 }
+                ObjectSpec::Cylinder(spec) => {
+                    self.length(&format!("{path}.radius"), spec.radius);
+                    self.length(&format!("{path}.length"), spec.length);
+                    spec.mass
+                }
                 ObjectSpec::Mesh(spec) => {
                     self.file(&path, &spec.file, &["stl", "obj", "dae"]);
                     spec.mass

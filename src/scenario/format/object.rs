@@ -20,6 +20,8 @@ tagged! {
         "sphere" => Sphere(SphereObject),
         /// A homogeneous cylinder with hemispherical ends.
         "capsule" => Capsule(CapsuleObject),
+        /// A homogeneous cylinder with flat ends.
+        "cylinder" => Cylinder(CylinderObject),
         /// The homogeneous convex hull of a mesh file.
         "mesh" => Mesh(MeshObject),
         /// A mechanism: a robot file or URDF.
@@ -108,6 +110,24 @@ object! {
         #[schemars(with = "json::Positive")]
         pub radius: f64,
         /// Length of the cylindrical part, m.
+        #[serde(deserialize_with = "positive")]
+        #[schemars(with = "json::Positive")]
+        pub length: f64,
+        /// Mass, kg.
+        #[serde(deserialize_with = "positive")]
+        #[schemars(with = "json::Positive")]
+        pub mass: f64,
+    }
+}
+
+object! {
+    /// A homogeneous cylinder with flat ends, along its axis z; its frame is at its centre.
+    CylinderObject {
+        /// Radius, m.
+        #[serde(deserialize_with = "positive")]
+        #[schemars(with = "json::Positive")]
+        pub radius: f64,
+        /// Length from end to end, m.
         #[serde(deserialize_with = "positive")]
         #[schemars(with = "json::Positive")]
         pub length: f64,
@@ -208,6 +228,7 @@ impl ObjectSpec {
             ObjectSpec::Box(spec) => spec.entry(),
             ObjectSpec::Sphere(spec) => spec.entry(),
             ObjectSpec::Capsule(spec) => spec.entry(),
+            ObjectSpec::Cylinder(spec) => spec.entry(),
             ObjectSpec::Mesh(spec) => spec.entry(),
             ObjectSpec::Model(spec) => spec.entry(),
         }

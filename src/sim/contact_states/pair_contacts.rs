@@ -162,6 +162,39 @@ impl PairContacts {
         }
         changed.then(|| PairPatch::merge(parts, &plant.bodies))
     }
+
+    /// The patches on ends of cylinders with the rings turned, where the state holds only an edge or a vertex of a
+    /// patch and the load is between two points of a ring: the rim reaches farther there, and the whole patch may
+    /// hold. `None` if there are none.
+    pub fn turn_rings(&self, plant: &Plant) -> Option<Vec<PairPatch>> {
+        let mechanisms = plant.objects.mechanisms(&plant.ws);
+        let first = plant.polygons.len() - plant.pair_patches().count();
+        let mut parts: Vec<Part> = Vec::new();
+        let mut changed = false;
+        for (p, patch) in plant.pair_patches().enumerate() {
+            let is_partial = matches!(plant.states[first + p].pattern, Pattern::Edge(_) | Pattern::Vertex(_));
+            let load = is_partial.then(|| centre_of_load(patch, &plant.solution.normal[first + p])).flatten();
+            for part in &patch.parts {
+                let (a, b) = bodies(plant, &part.pair);
+                let (pa, pb) = (a.placement(mechanisms), b.placement(mechanisms));
+                let turn = |load| patches::turn_ring(&part.topology, &load, (&a.shape, &pa), (&b.shape, &pb));
+                let turned = load.and_then(turn);
+                changed |= turned.is_some();
+                parts.push(turned.map_or_else(
+                    || part.clone(),
+                    |topology| Part::new(part.pair.clone(), topology, &plant.bodies, mechanisms),
+                ));
+            }
+        }
+        changed.then(|| PairPatch::merge(parts, &plant.bodies))
+    }
+}
+
+/// Centre of the normal forces on a patch, world, m; `None` without any.
+fn centre_of_load(patch: &PairPatch, normal: &[f64]) -> Option<Vector3<f64>> {
+    let sum: f64 = normal.iter().sum();
+    let moment = normal.iter().enumerate().map(|(i, f)| patch.point(i).position * *f).sum::<Vector3<f64>>();
+    (sum > 0.0).then(|| moment / sum)
 }
 
 /// Whether a corner of a part is where the state clamps its patch: at a vertex, on an edge, or anywhere.

@@ -70,6 +70,19 @@ impl RunState {
         self.set_polygons(None, pairs)
     }
 
+    /// Turns the polygons on ends of cylinders towards loads on their sides. Returns whether it has; the states must
+    /// then be chosen again.
+    ///
+    /// # Errors
+    /// As [`update_polygons`](Self::update_polygons).
+    pub(in crate::sim) fn turn_rings(&mut self) -> Result<bool, RunError> {
+        if self.pairs.is_empty() {
+            return Ok(false);
+        }
+        let pairs = self.pairs.turn_rings(&self.plant);
+        self.set_polygons(None, pairs)
+    }
+
     /// Replaces the polygons of links, or those of pairs, or both. Returns whether it has.
     ///
     /// # Errors

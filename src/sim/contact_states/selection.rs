@@ -30,6 +30,9 @@ const ALTERNATING: usize = 3;
 /// bodies. Friction of sliding soles may add a little.
 const GAIN: f64 = 1e-3;
 
+/// Greatest number of turns of the rings of cylinders at one choice of states.
+const TURNS: usize = 8;
+
 /// Work of the impulses of a solution, J.
 fn impulse_work(p: &Problem, solution: &Solution) -> f64 {
     let mean = p.b.iter().zip(&solution.motion).map(|(before, after)| 0.5 * (before + after));
@@ -51,7 +54,17 @@ impl RunState {
         if self.plant.method.locates_events() && self.locates_events() {
             self.count_event()?;
         }
-        self.choose_in_rounds(observer)
+        self.choose_in_rounds(observer)?;
+        // The load moves along with the ring.
+        for _ in 0..TURNS {
+            if !self.turn_rings()? {
+                break;
+            }
+            self.plant.evaluate_free();
+            self.plant.update_directions();
+            self.choose_in_rounds(observer)?;
+        }
+        Ok(())
     }
 
     /// Impacts, selections and velocity jumps in turn, until a selection needs no jump.
