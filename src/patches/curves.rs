@@ -25,7 +25,7 @@
 //! (d 1 + K_A + K_B) n' = W + K_A (omega_A x n) + K_B (omega_B x n)        n' . e = -n . (omega_e x e)
 //! ```
 
-use super::kinematics::Pin;
+use super::pins::Pin;
 use super::{ConvexBody, Feature, Placement, RESOLUTION};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 

@@ -13,14 +13,13 @@
 //! first point has the direction w, which a topology keeps. Between two points the polygon is inside
 //! the rim by up to R (1 - cos(pi/`RING`)), 1.9 % of R. More corners would make each choice of states
 //! longer (a polygon has 4 `RING` + 3 states). When the load reaches a side between two points, the ring
-//! turns so that a point is there ([`turn_ring`]): the rim, not the polygon, decides when a cylinder tips.
+//! turns so that a point is there ([`super::turn_ring`]): the rim, not the polygon, decides when a cylinder tips.
 //!
 //! Numbers of features: vertices 0 and 1 are the rim points of the ends 0 and 1, the points of the
 //! rings follow. Edge 0 is the generator; each end has two further numbers of edges, for the two
 //! points in which its rim crosses a line or another rim.
 
-use super::flat::Flat;
-use super::{ConvexBody, Edge, Face, Feature, Placement, RESOLUTION, Topology};
+use super::{ConvexBody, Edge, Face, Feature};
 use crate::math;
 use nalgebra::{Isometry3, Vector3};
 
@@ -115,20 +114,6 @@ impl ConvexBody {
         let along = |k: usize| v.dot(&(self.ring_point(0, k, first) - centre)) / radius;
         (0..RING).map(along).fold(f64::NEG_INFINITY, f64::max)
     }
-}
-
-/// The topology with rings turned towards a load at `load`, world, m, on a side of its polygon; `None` if the
-/// side does not cut off a part of a rim.
-pub fn turn_ring(
-    topology: &Topology,
-    load: &Vector3<f64>,
-    (a, pa): (&ConvexBody, &Placement),
-    (b, pb): (&ConvexBody, &Placement),
-) -> Option<Topology> {
-    let rings = Flat::new(topology, [(a, pa), (b, pb)])?.turned(load)?;
-    let mut turned = Topology { rings, ..topology.clone() };
-    let (owner, incident) = (topology.owner, topology.incident);
-    super::topology(a, pa, b, pb, RESOLUTION, owner, incident, &mut turned).then_some(turned)
 }
 
 /// Distance of the sides of a ring from the axis, per radius.

@@ -36,9 +36,8 @@
 
 use super::borders::{Border, Crossing};
 use super::cylinder::{RING, rim_edge, ring_of, ring_vertex, shortest, side_of_rim};
-use super::kinematics::Placed;
-use super::roles::Roles;
-use super::{ConvexBody, Corner, MAX_CORNERS, Owner, Placement, RESOLUTION, Topology, clipping};
+use super::roles::{Placed, Roles, UPRIGHT, incident_face};
+use super::{ConvexBody, Corner, MAX_CORNERS, Owner, Placement, RESOLUTION, Topology};
 use nalgebra::Vector3;
 
 /// Sine of the tilt beyond which an end does not touch with its ring.
@@ -47,7 +46,7 @@ const TIPPED: f64 = 1e-3;
 /// Sine of the tilt at which a rim that comes down becomes an end: closer to the normal, noise moves its point.
 const LANDED: f64 = 1e-6;
 
-/// Sine of the tilt below which the rim point must not go to the other side.
+/// Sine of the tilt below which w must be near u. Below half of it the rim point keeps to the side of w.
 const STEEP: f64 = 0.5;
 
 /// Sine of a tilt up to which an end has no direction of its own.
@@ -100,7 +99,7 @@ impl<'a> Flat<'a> {
         other.barrel.filter(|_| self.incident.is_none())?;
         let (across, w) = (other.across(&self.down()), self.rings[1]);
         let tilt = across.norm();
-        let size = if tilt < STEEP && across.dot(&w) > 0.0 { -tilt } else { tilt };
+        let size = if tilt < 0.5 * STEEP && across.dot(&w) > 0.0 { -tilt } else { tilt };
         let u = if size == 0.0 { w } else { across / -size };
         Some((other_at.rotation * u, size))
     }
@@ -112,7 +111,7 @@ impl<'a> Flat<'a> {
 
     /// Whether the overlap of I can have an inside.
     fn has_inside(&self) -> bool {
-        self.incident.is_some_and(|k| self.down().dot(&self.roles.other.face(k).normal) < -clipping::UPRIGHT)
+        self.incident.is_some_and(|k| self.down().dot(&self.roles.other.face(k).normal) < -UPRIGHT)
     }
 
     /// The vertices of I that may be corners, world, m.
@@ -282,7 +281,7 @@ impl<'a> Flat<'a> {
         } else {
             let m = self.down();
             let height = |k: &u16| self.height(&self.roles.other_at.point(other.vertex(*k))) - other.rounding;
-            self.incident = clipping::incident_face(&self.roles, &m, present, |k| height(k) <= near);
+            self.incident = incident_face(&self.roles, &m, present, |k| height(k) <= near);
         }
         if owner.barrel.is_some() && self.rings[0] == Vector3::zeros() {
             self.rings[0] = owner.any_across();

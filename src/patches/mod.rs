@@ -20,8 +20,10 @@
 //! - `flat`, `borders`: the same, and the kinematics, of cylinders on faces.
 //! - `parallel`: patches of parallel edges of which one is round.
 //! - `curves`: nearest points of the rims of cylinders.
+//! - `pins`: nearest points of vertices and edges.
 //! - `kinematics`: axes, positions, gaps, velocities and bias accelerations of a held topology.
 //! - `validity`: a continuous function that is positive while the topology holds.
+//! - `ring_turn`: turns of the polygons on ends of cylinders.
 //! - `reowner`: changes of the owner when only some corners stay in contact.
 //!
 //! Units: m, s, rad.
@@ -37,7 +39,9 @@ mod flat;
 pub mod hull;
 pub mod kinematics;
 mod parallel;
+mod pins;
 pub mod reowner;
+mod ring_turn;
 mod roles;
 pub mod separation;
 #[cfg(test)]
@@ -46,9 +50,10 @@ pub mod validity;
 
 pub use body::{ConvexBody, Edge, Face};
 pub use clipping::topology;
-pub use cylinder::{RING, turn_ring};
+pub use cylinder::RING;
 pub use kinematics::geometry;
 pub use reowner::reowner;
+pub use ring_turn::turn_ring;
 pub use separation::{Separation, separation, touchable_depth};
 pub use validity::validity;
 

@@ -9,7 +9,8 @@
 //! b = a^2/(2 d), with the distance d of the cores and the distance a across n at a corner. Up to
 //! `RESOLUTION` they count as parallel.
 
-use super::kinematics::{Pin, Placed, roundings};
+use super::pins::{Pin, roundings};
+use super::roles::Placed;
 use super::{Corner, Feature, Owner, RESOLUTION};
 use nalgebra::Vector3;
 

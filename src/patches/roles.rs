@@ -3,6 +3,15 @@
 use super::{ConvexBody, Corner, Owner, Placement};
 use nalgebra::{Matrix3, Vector3};
 
+/// A body and its placement.
+pub(super) type Placed<'a> = (&'a ConvexBody, &'a Placement);
+
+/// Cosine between the incident face and the plane below which the face is upright and has no inside.
+pub(super) const UPRIGHT: f64 = 1e-6;
+
+/// Difference of cosines up to which faces are equally opposed to the owner's.
+const EQUAL: f64 = 1e-9;
+
 /// Owner of the face and the other (incident) body.
 #[derive(Clone, Copy)]
 pub(super) struct Roles<'a> {
@@ -108,6 +117,30 @@ impl<'a> Roles<'a> {
         };
         ring.iter().enumerate().map(distance).fold(f64::INFINITY, f64::min)
     }
+}
+
+/// The incident face: of the faces with the lowest vertex that are turned to the owner, those with
+/// the most near corners; of these the most opposed; of equally opposed ones `present`, or the
+/// first. On sharp ridges the most opposed face of all need not have the lowest vertex. `m`: normal
+/// of the owner in the frame of the other body.
+pub(super) fn incident_face(
+    roles: &Roles,
+    m: &Vector3<f64>,
+    present: Option<u16>,
+    is_near: impl Fn(&u16) -> bool,
+) -> Option<u16> {
+    let (faces, vertices) = (&roles.other.faces, &roles.other.vertices);
+    let height = |k: usize| m.dot(&vertices[k]);
+    let lowest = (0..vertices.len()).min_by(|&i, &j| height(i).total_cmp(&height(j)))? as u16;
+    let slope = |k: u16| m.dot(&faces[k as usize].normal);
+    let may_touch = |&k: &u16| slope(k) <= EQUAL && faces[k as usize].corners.contains(&lowest);
+    let count = |k: u16| faces[k as usize].corners.iter().filter(|&c| is_near(c)).count();
+    let all = || (0..faces.len() as u16).filter(may_touch);
+    let most = all().map(count).max()?;
+    let candidates = || all().filter(|&k| count(k) == most);
+    let least = candidates().map(slope).fold(f64::INFINITY, f64::min);
+    let opposed = |&k: &u16| slope(k) <= least + EQUAL;
+    candidates().filter(opposed).find(|&k| Some(k) == present).or_else(|| candidates().find(opposed))
 }
 
 /// Frame of `to` from the frame of `from`: rotation and position, m.

@@ -29,7 +29,8 @@
 //! although s differs only by the square of the distance from the border.
 
 use super::curves::{Curve, apart, best_normal};
-use super::kinematics::{plane_normal, roundings};
+use super::kinematics::plane_normal;
+use super::pins::roundings;
 use super::roles::relative;
 use super::{ConvexBody, Edge, Feature, Owner, Placement, parallel};
 use nalgebra::{Matrix3, Vector3};

@@ -32,7 +32,7 @@
 
 use super::curves::Curve;
 use super::flat::Flat;
-use super::kinematics::Pin;
+use super::pins::Pin;
 use super::roles::Roles;
 use super::{ConvexBody, Feature, Owner, Placement, RESOLUTION, Topology, parallel};
 use nalgebra::Vector3;

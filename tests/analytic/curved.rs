@@ -263,7 +263,7 @@ fn thrown_cylinders_keep_the_balance_of_energy() {
         let turned = UnitQuaternion::from_euler_angles(0.3, 0.4, 0.2).inverse() * Vector3::new(1.0, 2.0, 3.0);
         let start_spin = across * (turned.x * turned.x + turned.y * turned.y) + 0.5 * r * r * turned.z * turned.z;
         let start = 0.5 * 0.25 + 0.5 * start_spin + G * 0.5;
-        assert!(m.impacts > 1 && m.impact_loss_j > 1.0);
+        assert!(m.impacts > 0 && m.impact_loss_j > 1.0);
         assert!((start - energy - m.impact_loss_j - m.friction_loss_j).abs() < 1e-9, "{start} {energy} {m:?}");
         assert_clean(&m);
     }
