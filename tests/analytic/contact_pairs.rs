@@ -24,24 +24,24 @@ fn way(mu: f64) -> f64 {
 /// rule: v^2 / (2 mu g) until rest. The last rule that applies counts.
 #[test]
 fn rules_set_the_friction_of_pairs() {
-    let (sim, m) = finished(&format!(
+    let (sim, m) = finished(
         "duration = 2.0
         floor.friction = 0.9
-        terrain = [{{ type = \"box\", name = \"table\", size = [4, 1, 0.1], position = [0, 3, 0.05] }}]
-        robot = {{ model = \"robots/block/block.toml\", base = {{ position = [0, 0, 0.05], linear_velocity = [1, 0, 0] }} }}
+        terrain = [{ type = \"box\", name = \"table\", size = [4, 1, 0.1], position = [0, 3, 0.05] }]
+        robot = { model = \"robots/block/block.toml\", base = { position = [0, 0, 0.05], linear_velocity = [1, 0, 0] } }
         object = [
-            {{ type = \"box\", name = \"red\", size = [0.2, 0.2, 0.1], mass = 1.0, position = [0, 1, 0.05], linear_velocity = [1, 0, 0] }},
-            {{ type = \"box\", name = \"blue\", size = [0.2, 0.2, 0.1], mass = 1.0, position = [0, 3, 0.15], linear_velocity = [1, 0, 0] }},
+            { type = \"box\", name = \"red\", size = [0.2, 0.2, 0.1], mass = 1.0, position = [0, 1, 0.05], linear_velocity = [1, 0, 0] },
+            { type = \"box\", name = \"blue\", size = [0.2, 0.2, 0.1], mass = 1.0, position = [0, 3, 0.15], linear_velocity = [1, 0, 0] },
         ]
         [contact]
         distance_tolerance = 1e-8\nvelocity_tolerance = 1e-8\nacceleration_tolerance = 1e-8
         pair = [
-            {{ bodies = [\"bottom\", \"floor\"], friction = 0.2 }},
-            {{ bodies = [\"*\", \"table\"], friction = 0.5 }},
-            {{ bodies = [\"floor\", \"r*\"], friction = 0.1 }},
-            {{ bodies = [\"red\", \"fl??r\"], friction = 0.3 }},
+            { bodies = [\"bottom\", \"floor\"], friction = 0.2 },
+            { bodies = [\"*\", \"table\"], friction = 0.5 },
+            { bodies = [\"floor\", \"r*\"], friction = 0.1 },
+            { bodies = [\"red\", \"fl??r\"], friction = 0.3 },
         ]"
-    ));
+    );
     let x = |o: usize| sim.plant().objects.list[o].state.position.x;
     let found = [m.final_base_position[0], x(0), x(1)];
     let expected = [way(0.2), way(0.3), way(0.5)];

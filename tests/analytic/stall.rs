@@ -131,9 +131,13 @@ fn rocking_ends_by_the_velocity_tolerance() {
 }
 
 /// HOAP-2 sunk by 3 cm into the floor: several links start in it, and no combination of their states
-/// is valid.
+/// is valid with the split of least norm, the only one that the search `paper` tests.
 fn sunk_humanoid() -> Simulation {
-    let mut setup = setup("duration = 0.1\nrobot = { model = \"robots/hoap2/hoap2.toml\", contact = \"bodies\" }\n");
+    let mut setup = setup(
+        "duration = 0.1
+        contact = { exact = { search = \"paper\" } }
+        robot = { model = \"robots/hoap2/hoap2.toml\", contact = \"bodies\" }\n",
+    );
     setup.start.position.z = 0.25;
     Simulation::new(setup).unwrap()
 }

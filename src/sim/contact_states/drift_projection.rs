@@ -2,17 +2,19 @@
 //!
 //! Where the conditions of the clamped vertices are almost redundant, such as those of dominoes that lean on
 //! each other, the change that removes an error may be larger than it by many orders. An error is then left
-//! until the bodies have moved on.
+//! until the bodies have moved on; so is slow motion that a new state does not allow.
 
 use crate::contact::hybrid::projection;
 use crate::contact::model::problem::{Problem, SoleProblem};
+use crate::contact::model::state::States;
 use crate::dynamics::reduced;
 use crate::sim::plant::Polygon;
 use crate::sim::run::RunState;
 use nalgebra::Vector3;
 
-/// Greatest change of a contact frame, relative to the error that it removes.
+/// Greatest change of a contact frame, relative to the error that it removes, beyond rounding, m or m/s.
 const MOST_CHANGE: f64 = 1e4;
+const ROUNDING: f64 = 1e-12;
 
 /// Stores the positions of the vertices of sole `s`. Where events are located, touching vertices
 /// are placed on the floor itself.
@@ -40,7 +42,7 @@ impl RunState {
     pub(in crate::sim) fn project_drift(&mut self) {
         if self.is_clamped() {
             self.solve_velocity_errors();
-            if self.is_projectable(self.velocity_error()) {
+            if self.is_projectable(self.velocity_error(&self.plant.states)) {
                 self.plant.add_impulses(&self.projection.wrench);
             }
             self.project_position();
@@ -52,7 +54,7 @@ impl RunState {
     pub(in crate::sim) fn stop_and_project_drift(&mut self) {
         if self.is_clamped() {
             self.solve_velocity_errors();
-            if self.is_projectable(self.velocity_error()) {
+            if self.is_projectable(self.velocity_error(&self.plant.states)) {
                 let jump = self.plant.apply_impulses(&self.projection.wrench);
                 self.energy.add_jump(jump);
             }
@@ -71,9 +73,9 @@ impl RunState {
         plant.method.respond(&plant.problem, &plant.states, &mut self.projection);
     }
 
-    /// The greatest velocity in a clamped direction, m/s.
-    fn velocity_error(&self) -> f64 {
-        let (p, states) = (&self.plant.problem, &self.plant.states);
+    /// The greatest velocity in a direction that these states clamp, m/s.
+    pub(super) fn velocity_error(&self, states: &States) -> f64 {
+        let p = &self.plant.problem;
         let error = |(s, i): (usize, usize)| {
             let v = p.vertex_motion(&p.b, s, i);
             match states[s].clamps(i, p.soles[s].vertices.len()) {
@@ -85,15 +87,19 @@ impl RunState {
         p.vertex_indices().map(error).fold(0.0, f64::max)
     }
 
-    /// Whether the change in `self.projection` is in proportion to the error that it removes.
-    fn is_projectable(&self, error: f64) -> bool {
+    /// Whether the change in `self.projection` is in proportion to the error that it removes. Always without
+    /// located events: steps then leave errors, and impacts, of any size.
+    pub(super) fn is_projectable(&self, error: f64) -> bool {
+        if !self.locates_events() {
+            return true;
+        }
         let p = &self.plant.problem;
         let frames = self.projection.motion.chunks_exact(6).zip(p.b.chunks_exact(6)).zip(&p.soles);
         let change = |((m, b), sole): ((&[f64], &[f64]), &SoleProblem)| {
             let part = |k: usize| Vector3::from_fn(|i, _| m[k + i] - b[k + i]).norm();
             part(0) + sole.radius * part(3)
         };
-        frames.map(change).fold(0.0, f64::max) <= MOST_CHANGE * error
+        frames.map(change).fold(0.0, f64::max) <= MOST_CHANGE * error + ROUNDING
     }
 
     fn project_position(&mut self) {

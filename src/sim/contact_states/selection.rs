@@ -352,6 +352,11 @@ impl RunState {
         if least {
             p.set_directions(&plant.directions);
         }
+        if !self.is_projectable(self.velocity_error(&states)) {
+            return 0.0;
+        }
+        let plant = &mut self.plant;
+        let p = &mut plant.problem;
         let change = impact::greatest_change(p, &self.projection.motion);
         let jump = plant.apply_impulses(&self.projection.wrench);
         self.energy.add_jump(jump);
