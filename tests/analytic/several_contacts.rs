@@ -1,20 +1,9 @@
 //! Several contacts that share a load: which one slips, and when, by Coulomb's law.
 
 use super::body::G;
-use super::support::{finish, simulation};
+use super::terrain::finished;
 use nalgebra::Vector3;
 use std::path::Path;
-use stiction::sim::{Metrics, NullObserver, Simulation};
-
-const TIGHT: &str = "integrator = { relative_tolerance = 1e-10, absolute_tolerance = 1e-12 }
-    contact = { distance_tolerance = 1e-8, velocity_tolerance = 1e-8, acceleration_tolerance = 1e-8 }
-    log = { rate = 0 }\n";
-
-fn finished(scenario: &str) -> (Simulation, Metrics) {
-    let mut sim = simulation(&format!("{TIGHT}{scenario}"));
-    let metrics = finish(&mut sim, &mut NullObserver);
-    (sim, metrics)
-}
 
 /// Integral twice of an acceleration `slope (t - from)` from rest, m.
 fn way(slope: f64, from: f64, until: f64) -> f64 {

@@ -32,8 +32,11 @@ fn oracles() -> [Oracle; 3] {
 
 /// Both solutions satisfy their conditions to 1e-12 of the scales. The error of slip directions of
 /// the exact method dominates: 1e-10 of the frictionless motion. The greatest observed difference
-/// of soles on the floor was 3e-11; of falls 1.02e-8, at an impact of three boxes of which two slide.
-const BOUND: f64 = 2e-8;
+/// was 3e-11 of soles on the floor.
+const BOUND: f64 = 1e-8;
+
+/// Of falls it was 1.02e-8, at an impact of three boxes of which two slide.
+const BOUND_OF_FALLS: f64 = 2e-8;
 
 /// Greatest distance between wrenches over the greatest force, moments over the soles' radii.
 fn distance(problem: &Problem, answer: &SelectionResult) -> f64 {
@@ -57,7 +60,8 @@ fn wrenches_agree_with_an_independent_solver() {
             let answer = problem.selection.replay().unwrap_or_else(|e| panic!("{name}: {e}"));
             let distance = distance(problem, &answer);
             // This form of the comparison also fails for NaN.
-            assert!(distance <= BOUND, "{name}: {:?}, wrenches differ by {distance:e}", answer.states);
+            let bound = if oracle.robot == "falls" { BOUND_OF_FALLS } else { BOUND };
+            assert!(distance <= bound, "{name}: {:?}, wrenches differ by {distance:e}", answer.states);
             assert!(answer.consistent, "{name}: {:?} violate {:?}", answer.states, answer.violations);
             count += 1;
             states.extend(answer.states.iter().map(|s| s.replace(|c: char| c.is_ascii_digit(), "_")));
