@@ -4,7 +4,7 @@ use crate::collision::shared_model;
 use crate::dynamics::{State, Workspace, kinematics};
 use crate::patches::touchable_depth;
 use crate::robot::{LinkId, Model, Robot};
-use crate::scenario::{ContactPair, Diagnostic, Run};
+use crate::scenario::{ContactPair, Diagnostic, Run, TouchingParts};
 use crate::sim::bodies::{Body, FLOOR, Friction, PairRule, PairRules};
 use crate::sim::plant::objects::named_links;
 use crate::sim::setup::Start;
@@ -16,7 +16,9 @@ use super::objects::Object;
 pub(super) fn rules(run: &Run, model: &Model, objects: &[Object], errors: &mut Vec<Diagnostic>) -> PairRules {
     let s = &run.scenario;
     let soles = model.soles.iter().map(|sole| sole.name.as_str());
-    let links = model.links.iter().map(|link| link.name.as_str());
+    // Only with bodies do links have contacts of their own.
+    let links = model.links.iter().filter(|_| s.robot.contact == TouchingParts::Bodies);
+    let links = links.map(|link| link.name.as_str());
     let of_robot: Vec<&str> = soles.chain(links).collect();
     let objects = named_links(objects.iter().map(|o| (&*o.setup.name, &*o.setup.model)));
     let terrain: Vec<String> = s.terrain.iter().enumerate().map(|(i, spec)| spec.name(i)).collect();

@@ -143,4 +143,7 @@ fn names_that_no_body_has_are_errors() {
     let floor = error("{ bodies = [\"*\", \"floor\"], touch = false }");
     assert!(floor.contains("soles and links of the robot always touch the floor"), "{floor}");
     assert_eq!(error("{ bodies = [\"b*\", \"table\"], touch = false }"), "");
+    // Soles touch, not their link.
+    let link = error("{ bodies = [\"block\", \"table\"], friction = 0.2 }");
+    assert!(link.contains("is called `block`"), "{link}");
 }
