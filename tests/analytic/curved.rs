@@ -327,6 +327,31 @@ fn a_ramped_push_tips_a_standing_cylinder_over_its_rim() {
     }
 }
 
+/// Rods that fall by 0.2 m, inclined, hit the floor with the lower end and come to lie on it. Fixed steps close
+/// the gaps of each step to rounding of the turns, some 1e-10 m.
+#[test]
+fn inclined_rods_land_in_fixed_steps() {
+    for kind in ["capsule", "cylinder"] {
+        for method in ["exact", "lcp", "ncp"] {
+            for tilt in [0.3, 0.6, 1.2] {
+                let mut sim = simulation(&format!(
+                    "duration = 1.5
+                    robot = {{ model = \"robots/block/block.toml\" }}
+                    floor = {{ friction = 0.5 }}
+                    contact = {{ method = \"{method}\" }}
+                    integrator = {{ method = \"semi-implicit\", step = 1e-3 }}
+                    object = [{{ type = \"{kind}\", radius = 0.06, length = 0.4, mass = 2.0, position = [2, 0, 0.5],
+                        rpy = [0, {tilt}, 0] }}]"
+                ));
+                let metrics = finish(&mut sim, &mut NullObserver);
+                let (position, _, _) = motion(&sim, 0);
+                assert!(metrics.max_penetration_m < 1e-8, "{kind} {method} {tilt}: {}", metrics.max_penetration_m);
+                assert!((position.z - 0.06).abs() < 1e-6, "{kind} {method} {tilt}: {}", position.z);
+            }
+        }
+    }
+}
+
 fn ended(scenario: &str) -> Simulation {
     let mut sim = simulation(scenario);
     let metrics = finish(&mut sim, &mut NullObserver);

@@ -79,21 +79,35 @@ pub(crate) fn set_position_errors(
 /// Least-squares plane through values at the vertices: the value at the reference point and the
 /// small rotation (about x and y) whose normal motion `t_x r_y - t_y r_x` fits the remainder.
 pub(crate) fn fit_plane(sole: &SoleProblem, value: impl Fn(usize) -> f64) -> Vector3<f64> {
-    let k = sole.vertices.len();
     let (mean, a, b) = moments(sole, value, |_| true);
-    let tilt = if k > 2 { a.try_inverse().map_or(Vector2::zeros(), |a| a * b) } else { Vector2::zeros() };
+    let tilt = match sole.vertices.len() {
+        0 | 1 => Vector2::zeros(),
+        2 => tilt_on_line(&a, &b),
+        _ => a.try_inverse().map_or(Vector2::zeros(), |a| a * b),
+    };
     Vector3::new(mean, tilt.x, tilt.y)
 }
 
-/// Spread of the vertices seen from above, as a ratio of areas, below which a sole stands
-/// perpendicular to the floor: its gaps are then no function of the position on the floor.
+/// The least rotation through values on a line, from their normal equations.
+fn tilt_on_line(a: &Matrix2<f64>, b: &Vector2<f64>) -> Vector2<f64> {
+    if a.trace() > 0.0 { b / a.trace() } else { Vector2::zeros() }
+}
+
+/// Spread of the vertices seen from above, as a ratio of areas (of squares of two lengths for two vertices),
+/// below which a sole stands perpendicular to the floor: its gaps are then no function of the position on
+/// the floor.
 const PERPENDICULAR: f64 = 1e-6;
 
 /// The plane of the gaps of a sole's vertices. Only those of vertices that are near count if the sole
 /// is perpendicular to the floor, as when its foot lies on its side.
 pub(crate) fn fit_gaps(sole: &SoleProblem, value: impl Fn(usize) -> f64) -> Vector3<f64> {
     let (_, a, _) = moments(sole, &value, |_| true);
-    if sole.vertices.len() < 3 || a.determinant() > PERPENDICULAR * a.trace() * a.trace() {
+    let is_flat = match &sole.vertices[..] {
+        [] | [_] => true,
+        [v, w] => (v.r - w.r).xy().norm_squared() > PERPENDICULAR * (v.r - w.r).norm_squared(),
+        _ => a.determinant() > PERPENDICULAR * a.trace() * a.trace(),
+    };
+    if is_flat {
         return fit_plane(sole, value);
     }
     let near = |i: usize| sole.vertices[i].near;
@@ -101,8 +115,8 @@ pub(crate) fn fit_gaps(sole: &SoleProblem, value: impl Fn(usize) -> f64) -> Vect
         return Vector3::zeros();
     }
     let (mean, a, b) = moments(sole, &value, near);
-    // Near vertices are on a line: the least rotation through their values.
-    let tilt = if a.trace() > 0.0 { b / a.trace() } else { Vector2::zeros() };
+    // Near vertices are on a line.
+    let tilt = tilt_on_line(&a, &b);
     let middle = middle(sole, near);
     Vector3::new(mean - tilt.x * middle.y + tilt.y * middle.x, tilt.x, tilt.y)
 }
@@ -165,6 +179,24 @@ mod tests {
             for (i, gap) in gaps.into_iter().enumerate() {
                 // Rounding of the normal equations, whose condition is below 1 / PERPENDICULAR.
                 assert!((sole.vertex_target(i) - gap).abs() < 1e-9, "{lean} {i}: {}", sole.vertex_target(i));
+            }
+        }
+    }
+
+    #[test]
+    fn gaps_of_an_inclined_line_foot_are_met() {
+        for lean in [0.0, 1e-9, 1e-3, 0.3, 1.2, std::f64::consts::FRAC_PI_2] {
+            let (s, c) = crate::math::sin_cos(lean);
+            let mut sole = Problem::new(&[2]).soles.remove(0);
+            sole.vertices[0].r = Vector3::new(-0.2 * c, 0.1 * c, -0.2 * s);
+            sole.vertices[1].r = -sole.vertices[0].r;
+            sole.vertices[0].near = true;
+            let heights = [0.01, 0.01 + 0.4 * s];
+            sole.target = fit_gaps(&sole, |i| heights[i]);
+            // Only the near vertex has its gap if the foot is perpendicular to the floor.
+            let met = if c < 1e-9 { 1 } else { 2 };
+            for (i, height) in heights.into_iter().enumerate().take(met) {
+                assert!((sole.vertex_target(i) - height).abs() < 1e-12, "{lean} {i}: {}", sole.vertex_target(i));
             }
         }
     }
