@@ -3,6 +3,9 @@
 //! Vertices within `COPLANAR` times the size of the hull of the plane of a triangle belong to its
 //! face. The corners of the face are those of their outline. Large triangles come first, as their
 //! planes are the best known.
+//!
+//! Where points are coplanar up to about this tolerance such faces may not fit together. Then the faces are
+//! groups of adjacent triangles within the tolerance of the plane of their largest one.
 
 use super::ConvexBody;
 use nalgebra::{Vector2, Vector3};
@@ -39,7 +42,8 @@ impl ConvexBody {
                 faces.push((ring, normal));
             }
         }
-        compact(vertices, faces).or_else(|| {
+        let adjacent = || compact(vertices, merge_adjacent(vertices, triangles, COPLANAR * size)?);
+        compact(vertices, faces).or_else(adjacent).or_else(|| {
             let face = |t: &[u32; 3]| Some((t.map(|k| k as u16).to_vec(), area(t).try_normalize(0.0)?));
             compact(vertices, triangles.iter().filter_map(face).collect())
         })
@@ -66,6 +70,52 @@ fn distinct(points: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         }
     }
     kept
+}
+
+/// Faces of groups of adjacent triangles, with their normals. `None` if an outline does not close.
+fn merge_adjacent(
+    vertices: &[Vector3<f64>],
+    triangles: &[[u32; 3]],
+    tolerance: f64,
+) -> Option<Vec<(Vec<u16>, Vector3<f64>)>> {
+    let area = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|k| vertices[k as usize]);
+        (b - a).cross(&(c - a))
+    };
+    let mut order: Vec<&[u32; 3]> = triangles.iter().collect();
+    order.sort_by(|s, t| area(t).norm_squared().total_cmp(&area(s).norm_squared()));
+    let sides = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+    let mut faces = Vec::new();
+    while let Some(&&largest) = order.first() {
+        let normal = area(&largest).try_normalize(0.0)?;
+        let origin = vertices[largest[0] as usize];
+        let is_flat = |t: &[u32; 3]| t.iter().all(|k| normal.dot(&(vertices[*k as usize] - origin)).abs() <= tolerance);
+        let mut group: Vec<[u32; 2]> = Vec::new();
+        let mut grows = true;
+        while grows {
+            let before = order.len();
+            order.retain(|t| {
+                let is_adjacent = group.is_empty() || sides(t).iter().any(|[a, b]| group.contains(&[*b, *a]));
+                let joins = is_adjacent && is_flat(t);
+                if joins {
+                    group.extend(sides(t));
+                }
+                !joins
+            });
+            grows = order.len() < before;
+        }
+        let outline: Vec<[u32; 2]> = group.iter().filter(|s| !group.contains(&[s[1], s[0]])).copied().collect();
+        let mut ring = vec![outline.first()?[0]];
+        while ring.len() < outline.len() {
+            ring.push(outline.iter().find(|s| Some(&s[0]) == ring.last())?[1]);
+        }
+        faces.push((ring.into_iter().map(|k| k as u16).collect::<Vec<u16>>(), normal));
+    }
+    // Vertices of two faces only are on their common edge.
+    let count = |k: u16| faces.iter().filter(|(ring, _)| ring.contains(&k)).count();
+    let inner: Vec<u16> = (0..vertices.len() as u16).filter(|k| count(*k) == 2).collect();
+    faces.iter_mut().for_each(|(ring, _)| ring.retain(|k| !inner.contains(k)));
+    Some(faces)
 }
 
 fn all_in(ring: &[u16], known: &[u16]) -> bool {

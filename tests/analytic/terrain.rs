@@ -192,3 +192,25 @@ fn starts_inside_terrain_are_refused() {
     let error = stiction::assemble::setup(&run, &robot).err().unwrap().to_string();
     assert!(error.contains("`bottom` and `terrain.0` overlap by 0.0100 m at the start"), "{error}");
 }
+
+/// A point of terrain touches one face. Neighbours in one plane would share it, and each could be the one that
+/// does not contain the point.
+#[test]
+fn hulls_of_links_have_no_neighbours_in_one_plane() {
+    for robot in ["hoap2", "cbi", "quadruped"] {
+        let sim = simulation(&format!(
+            "robot = {{ model = \"robots/{robot}/{robot}.toml\", contact = \"bodies\", base = {{ position = [0, 0, 3] }} }}
+            terrain = [{{ type = \"box\", size = [1, 1, 0.1] }}]"
+        ));
+        let mut checked = 0;
+        for body in &sim.plant().bodies {
+            for edge in body.shape.edges.iter().filter(|edge| !edge.has_no_faces()) {
+                let [m, n] = edge.faces.map(|k| body.shape.face(k).normal);
+                // Points within 1e-9 of the size of a hull from a plane belong to one face.
+                assert!(m.cross(&n).norm() > 1e-9, "{}: {m} {n}", body.name);
+                checked += 1;
+            }
+        }
+        assert!(checked > 100);
+    }
+}
