@@ -12,6 +12,7 @@
 //! A plane with the normal n through the edge has the body on the side of n if n . u_0 >= 0 and
 //! n . u_1 >= 0.
 
+use super::Placement;
 use nalgebra::Vector3;
 
 /// Stands for a face that does not exist: the edge of a segment has none.
@@ -243,6 +244,15 @@ impl ConvexBody {
     pub fn least(&self, d: &Vector3<f64>) -> f64 {
         let least = self.vertices.iter().map(|x| d.dot(x)).fold(f64::INFINITY, f64::min);
         self.barrel.map_or(least, |radius| least - radius * self.across(d).norm())
+    }
+
+    /// Least and greatest coordinates, world, m.
+    pub fn bounds(&self, at: &Placement) -> (Vector3<f64>, Vector3<f64>) {
+        let least = |axis: usize, sign: f64| {
+            let d = at.rotation.row(axis).transpose() * sign;
+            self.least(&d) - self.rounding + sign * at.position[axis]
+        };
+        (Vector3::from_fn(|axis, _| least(axis, 1.0)), Vector3::from_fn(|axis, _| -least(axis, -1.0)))
     }
 
     /// Unit vector in a face, into it from its side number `side`; body frame.

@@ -24,6 +24,7 @@
 //! - `kinematics`: axes, positions, gaps, velocities and bias accelerations of a held topology.
 //! - `validity`: a continuous function that is positive while the topology holds.
 //! - `ring_turn`: turns of the polygons on ends of cylinders.
+//! - `ties`: other owners of the same separation.
 //! - `reowner`: changes of the owner when only some corners stay in contact.
 //!
 //! Units: m, s, rad.
@@ -46,6 +47,7 @@ mod roles;
 pub mod separation;
 #[cfg(test)]
 mod tests;
+mod ties;
 pub mod validity;
 
 pub use body::{ConvexBody, Edge, Face};
@@ -55,6 +57,7 @@ pub use kinematics::geometry;
 pub use reowner::reowner;
 pub use ring_turn::turn_ring;
 pub use separation::{Separation, separation, touchable_depth};
+pub use ties::tied_topology;
 pub use validity::validity;
 
 use nalgebra::{Matrix3, Vector3};
@@ -87,6 +90,14 @@ impl Placement {
     /// World position, m, of a point given in the body frame, m.
     pub fn point(&self, v: &Vector3<f64>) -> Vector3<f64> {
         self.position + self.rotation * v
+    }
+
+    /// Bound of the way of the points of a body from its placement `start` to this one, m:
+    /// `|c - c_0| + r |R - R_0|` with the centre c and the radius r of its sphere and the Frobenius norm.
+    pub fn way_from(&self, start: &Placement, body: &ConvexBody) -> f64 {
+        let shift = (self.point(&body.centre) - start.point(&body.centre)).norm();
+        let turn = (self.rotation - start.rotation).norm();
+        shift + if turn > 0.0 { turn * body.radius } else { 0.0 }
     }
 
     /// Velocity, world, m/s, of the material point of the body at the world position `x`, m.

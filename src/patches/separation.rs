@@ -39,7 +39,7 @@ use nalgebra::{Matrix3, Vector3};
 pub const TIE: f64 = 1e-12;
 
 /// An owner must reach the separation up to this, m.
-const REACH: f64 = 1e-9;
+pub(super) const REACH: f64 = 1e-9;
 
 /// Added to bounds against roundoff, m.
 const SLACK: f64 = 1e-9;
@@ -69,9 +69,7 @@ pub fn separation(
     hint: Option<Owner>,
     margin: f64,
 ) -> Separation {
-    let (r, p) = relative(pb, pa);
-    let between = if a.is_half_space() || b.is_half_space() { Vector3::zeros() } else { r * a.centre + p - b.centre };
-    let mut search = Search { a, b, r, p, between, distance: f64::NEG_INFINITY, best: f64::NEG_INFINITY, owner: None };
+    let mut search = Search::new(a, pa, b, pb);
     if a.is_half_space() && b.is_half_space() {
         return Separation { distance: f64::NEG_INFINITY, owner: None, touchable: f64::NEG_INFINITY };
     }
@@ -118,11 +116,11 @@ pub fn touchable_depth(a: &ConvexBody, pa: &Placement, b: &ConvexBody, pb: &Plac
     if distance < 0.0 { depth } else { 0.0 }
 }
 
-struct Search<'a> {
+pub(super) struct Search<'a> {
     a: &'a ConvexBody,
     b: &'a ConvexBody,
     /// Frame of B from frame of A.
-    r: Matrix3<f64>,
+    pub r: Matrix3<f64>,
     p: Vector3<f64>,
     /// D in the frame of B.
     between: Vector3<f64>,
@@ -132,7 +130,14 @@ struct Search<'a> {
     owner: Option<Owner>,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    pub fn new(a: &'a ConvexBody, pa: &Placement, b: &'a ConvexBody, pb: &Placement) -> Self {
+        let (r, p) = relative(pb, pa);
+        let has_centres = !a.is_half_space() && !b.is_half_space();
+        let between = if has_centres { r * a.centre + p - b.centre } else { Vector3::zeros() };
+        Search { a, b, r, p, between, distance: f64::NEG_INFINITY, best: f64::NEG_INFINITY, owner: None }
+    }
+
     fn result(&self) -> Separation {
         let rounding = self.a.rounding + self.b.rounding;
         // Without candidates the cores share a point.
@@ -142,7 +147,7 @@ impl Search<'_> {
     }
 
     /// s(n); `n` in the frame of B.
-    fn along(&self, n: &Vector3<f64>) -> f64 {
+    pub fn along(&self, n: &Vector3<f64>) -> f64 {
         if self.a.is_half_space() || self.b.is_half_space() {
             return self.along_half_space(n);
         }
@@ -173,7 +178,7 @@ impl Search<'_> {
         }
     }
 
-    fn is_touchable(&self, owner: Owner) -> bool {
+    pub fn is_touchable(&self, owner: Owner) -> bool {
         let (a, b) = (self.a, self.b);
         match owner {
             Owner::FaceOfA(i) => a.face(i).touchable,

@@ -92,6 +92,8 @@ pub struct Vertex {
     /// At the velocity level: whether this vertex may meet the floor (in this impact, or before the
     /// end of this step).
     pub near: bool,
+    /// Leaves the other body: it may touch, but no state clamps it.
+    pub leaves: bool,
 }
 
 impl Vertex {
@@ -102,7 +104,7 @@ impl Vertex {
 
     /// Whether it is in the tolerance band: near the floor, with a normal velocity of at most v_t.
     pub fn is_in_band(&self, tol: &Tolerances) -> bool {
-        self.is_near(tol) && self.velocity.z.abs() <= tol.velocity
+        self.is_near(tol) && self.velocity.z.abs() <= tol.velocity && !self.leaves
     }
 
     /// Whether it meets the floor at the problem's level: touches it, or comes near it in this
@@ -138,9 +140,11 @@ impl SoleProblem {
     /// clearly higher.
     pub fn clampable(&self, tol: &Tolerances) -> u64 {
         let k = self.vertices.len();
-        let state = SoleState::fixed(Pattern::covering(k, |i| self.vertices[i].is_near(tol)));
+        let near = |i: usize| self.vertices[i].is_near(tol) && !self.vertices[i].leaves;
+        let state = SoleState::fixed(Pattern::covering(k, near));
         let limit = (FARTHER * tol.distance).max(FLAT);
-        (0..k).filter(|&i| state.clamps(i, k) && self.vertices[i].height <= limit).fold(0, |set, i| set | 1 << i)
+        let is_low = |i: usize| self.vertices[i].height <= limit && !self.vertices[i].leaves;
+        (0..k).filter(|&i| state.clamps(i, k) && is_low(i)).fold(0, |set, i| set | 1 << i)
     }
 
     /// Target normal motion of vertex `i`: `(target_lin + target_ang x r_i) . n`.

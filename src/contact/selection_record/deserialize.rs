@@ -158,6 +158,7 @@ impl VertexRecord {
             moving: self.moving,
             settles: false,
             near: self.near,
+            leaves: self.leaves,
         }
     }
 }

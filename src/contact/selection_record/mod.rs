@@ -151,6 +151,9 @@ pub struct VertexRecord {
     pub moving: bool,
     /// At the velocity level: whether it may meet the floor.
     pub near: bool,
+    /// Whether it leaves the other body, so that no state clamps it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub leaves: bool,
     /// Normal force of the last known solution, N.
     #[serde(rename = "last_normal_N")]
     pub last_normal: f64,

@@ -101,6 +101,7 @@ impl VertexRecord {
             direction: v.direction.into(),
             moving: v.moving,
             near: v.near,
+            leaves: v.leaves,
             last_normal: last.normal[s][i],
             last_tangent: last.tangent[s][i].into(),
         }

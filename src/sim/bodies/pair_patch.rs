@@ -41,7 +41,12 @@ pub struct Part {
     pub pair: Pair,
     /// Its corners.
     pub topology: Topology,
+    /// Whether the body has just slid off the feature that owned the plane before, so that the corners on the
+    /// present one may move apart.
+    pub opens: bool,
     geometry: PatchGeometry,
+    /// Normal and offset, m, of the plane of the incident face, world.
+    incident: Option<(Vector3<f64>, f64)>,
     placements: (Placement, Placement),
 }
 
@@ -50,8 +55,19 @@ impl Part {
     pub fn new(pair: Pair, topology: Topology, bodies: &[Body], mechanisms: Mechanisms) -> Self {
         let (a, b) = (&bodies[pair.bodies.0], &bodies[pair.bodies.1]);
         let placements = (a.placement(mechanisms), b.placement(mechanisms));
-        let mut part = Part { pair, topology, geometry: PatchGeometry::default(), placements };
+        let geometry = PatchGeometry::default();
+        let mut part = Part { pair, topology, opens: false, geometry, incident: None, placements };
         part.update(bodies, mechanisms);
+        let (pa, pb) = &part.placements;
+        let body = match part.topology.owner {
+            Owner::FaceOfA(_) => Some((&bodies[part.pair.bodies.1].shape, pb)),
+            Owner::FaceOfB(_) => Some((&bodies[part.pair.bodies.0].shape, pa)),
+            _ => None,
+        };
+        part.incident = body.zip(part.topology.incident).map(|((shape, at), k)| {
+            let normal = at.rotation * shape.face(k).normal;
+            (normal, shape.face(k).offset + normal.dot(&at.position))
+        });
         part
     }
 
@@ -73,18 +89,39 @@ impl Part {
         is_face.then(|| (n, point.position - n * point.gap))
     }
 
+    /// Whether some corners are apart, and those with a gap of at most `near`, m, are one point up to `size`, m.
+    pub fn touches_at_point(&self, near: f64, size: f64) -> bool {
+        let mut touching = self.geometry.points.iter().filter(|point| point.gap <= near);
+        let Some(first) = touching.next() else { return false };
+        let is_open = self.geometry.points.iter().any(|point| point.gap > near);
+        is_open && touching.all(|point| (point.position - first.position).norm() <= size)
+    }
+
+    /// Least normal velocity of the corners with a gap of at most `near`, m; m/s.
+    pub fn opening_speed(&self, near: f64) -> f64 {
+        let n = self.geometry.axes.column(2);
+        let speeds = self.geometry.points.iter().filter(|point| point.gap <= near).map(|point| n.dot(&point.velocity));
+        speeds.fold(f64::INFINITY, f64::min)
+    }
+
     /// Positions of its corners, world, m.
     pub fn positions(&self) -> impl Iterator<Item = &Vector3<f64>> {
         self.geometry.points.iter().map(|point| &point.position)
     }
 
-    /// Whether both have corners in one plane fixed to the world or to their common body A.
+    /// Whether both have corners in one plane fixed to the world or to their common body A, and gaps to one plane:
+    /// the gaps are then a linear function of the position in the first.
     fn is_coplanar(&self, other: &Part) -> bool {
         let fixed = self.pair.links.1.is_none() && other.pair.links.1.is_none();
         let (n, m) = (self.geometry.axes.column(2), other.geometry.axes.column(2));
         let (Some(p), Some(q)) = (self.geometry.points.first(), other.geometry.points.first()) else { return false };
         fixed
             && self.pair.bodies.0 == other.pair.bodies.0
+            && match (&self.incident, &other.incident) {
+                (Some((u, s)), Some((v, t))) => (u - v).norm() < COPLANAR && (s - t).abs() < COPLANAR,
+                (None, None) => true,
+                _ => false,
+            }
             && (n - m).norm() < COPLANAR
             && n.dot(&(p.position - n * p.gap - q.position + m * q.gap)).abs() < COPLANAR
     }
@@ -189,6 +226,11 @@ impl PairPatch {
     pub fn point(&self, i: usize) -> &CornerMotion {
         let (part, corner) = self.vertices[i];
         &self.parts[part].geometry.points[corner]
+    }
+
+    /// Whether the part of a vertex opens.
+    pub fn opens(&self, i: usize) -> bool {
+        self.parts[self.vertices[i].0].opens
     }
 
     /// Whether points of contact move over the bodies without sliding: one of them is round.

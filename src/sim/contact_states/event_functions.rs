@@ -75,7 +75,8 @@ impl StepEventFunctions {
     }
 
     /// Selects the functions of a step at its start.
-    pub fn begin(&mut self, sim: &RunState) {
+    pub fn begin(&mut self, sim: &mut RunState) {
+        sim.pairs.begin_step(&sim.plant);
         with_contact(sim, |now| self.0.begin(now));
     }
 
@@ -93,6 +94,7 @@ impl StepEventFunctions {
     /// As [`values`](Self::values), into a slice of the right length.
     pub fn fill(&self, sim: &mut RunState, out: &mut [f64]) {
         sim.plant.share_forces();
+        sim.pairs.update_ways(&sim.plant);
         with_contact(sim, |now| self.0.fill(now, out));
     }
 

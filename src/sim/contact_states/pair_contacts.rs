@@ -3,14 +3,18 @@
 //! Both bodies of a pair are convex, so that it touches in one plane. Its corners appear when the distance
 //! is at most that of near points ([`super::link_contacts`]), change when a function of their validity
 //! becomes negative, an event, and disappear when the bodies are apart.
+//!
+//! Within a step the distance of a pair that was apart by g_0 at its start is at least
+//! `g_0 - way_A - way_B`, with the bounds of [`Placement::way_from`]. While this is positive it takes the
+//! place of the distance.
 
 use super::terrain_pairs::TerrainPairs;
 use crate::contact::model::state::{Pattern, SoleState};
-use crate::dynamics::reduced::Mechanisms;
 use crate::patches::{self, Face, Owner, Placement, Separation, Topology};
 use crate::sim::bodies::{Body, Pair, PairPatch, Part};
 use crate::sim::plant::Plant;
 use nalgebra::{UnitQuaternion, Vector3};
+use std::collections::HashMap;
 
 /// Corners are kept up to this multiple of the distance at which they appear, so that they do not come and
 /// go.
@@ -18,6 +22,12 @@ const KEPT: f64 = 2.0;
 
 /// Gap up to which corners of a patch with another plane count as near, m.
 const NEAR: f64 = 1e-9;
+
+/// Distance, m, up to which corners near a border are one point.
+const POINT: f64 = 1e-6;
+
+/// Time, s, after which bodies that touch are apart if they move apart.
+const SOON: f64 = 1e-6;
 
 /// Validity, m, below which corners are computed again: half of that of new ones. Functions that reach zero
 /// together in an event are then all renewed.
@@ -29,6 +39,14 @@ struct Candidate {
     pair: Pair,
     /// Plane that has separated the bodies last.
     hint: Option<Owner>,
+    /// Distance at the start of the step, m; zero if the pair touches.
+    start: f64,
+}
+
+impl Candidate {
+    fn new(pair: Pair) -> Self {
+        Candidate { pair, hint: None, start: 0.0 }
+    }
 }
 
 /// What a pair has.
@@ -37,8 +55,8 @@ enum Found {
     Apart,
     /// Its present corners.
     Present,
-    /// Other corners.
-    Changed(Topology),
+    /// Other corners, in a part.
+    Changed(Box<Part>),
 }
 
 /// Pairs that may touch.
@@ -50,13 +68,29 @@ pub struct PairContacts {
     terrain: Option<TerrainPairs>,
     /// Results of the last search, in their order.
     found: Vec<Found>,
+    /// Bodies that links carry.
+    moving: Vec<usize>,
+    /// Placements of the plant's bodies, present and at the start of the step.
+    placements: Vec<Placement>,
+    starts: Vec<Placement>,
+    /// Bounds of the ways of the bodies in this step, m.
+    ways: Vec<f64>,
 }
 
 impl PairContacts {
-    /// For these pairs, and terrain if there is any.
-    pub fn new(pairs: Vec<Pair>, terrain: Option<TerrainPairs>) -> Self {
-        let candidates: Vec<Candidate> = pairs.into_iter().map(|pair| Candidate { pair, hint: None }).collect();
-        PairContacts { fixed: candidates.len(), found: Vec::with_capacity(candidates.len()), candidates, terrain }
+    /// For these pairs of the bodies of a plant, and terrain if there is any.
+    pub fn new(bodies: &[Body], pairs: Vec<Pair>, terrain: Option<TerrainPairs>) -> Self {
+        let candidates: Vec<Candidate> = pairs.into_iter().map(Candidate::new).collect();
+        PairContacts {
+            fixed: candidates.len(),
+            found: Vec::with_capacity(candidates.len()),
+            candidates,
+            terrain,
+            moving: (0..bodies.len()).filter(|k| bodies[*k].link().is_some()).collect(),
+            placements: Vec::new(),
+            starts: Vec::new(),
+            ways: Vec::new(),
+        }
     }
 
     /// Whether no pair can touch.
@@ -71,45 +105,97 @@ impl PairContacts {
 
     /// Adds pieces of terrain that have come near, and removes distant ones. Needs the plant's kinematics.
     pub fn update_terrain(&mut self, plant: &mut Plant) {
-        let Some(pairs) = self.terrain.as_mut().and_then(|terrain| terrain.update(plant)) else { return };
-        let before = self.candidates.split_off(self.fixed);
-        let hint = |pair: &Pair| before.iter().find(|old| old.pair.bodies == pair.bodies).and_then(|old| old.hint);
-        self.candidates.extend(pairs.into_iter().map(|pair| Candidate { hint: hint(&pair), pair }));
+        self.place(plant);
+        let Some(terrain) = &mut self.terrain else { return };
+        if !terrain.update(plant, &self.placements) {
+            return;
+        }
+        let known = |candidate: Candidate| Some((candidate.pair.bodies, candidate.hint?));
+        let hints: HashMap<_, _> = self.candidates.drain(self.fixed..).filter_map(known).collect();
+        let candidate =
+            |pair: &Pair| Candidate { hint: hints.get(&pair.bodies).copied(), ..Candidate::new(pair.clone()) };
+        self.candidates.extend(terrain.pairs().map(candidate));
+        self.place(plant);
+    }
+
+    /// Computes the placements of the plant's bodies, whose kinematics must be up to date.
+    fn place(&mut self, plant: &Plant) {
+        let mechanisms = plant.objects.mechanisms(&plant.ws);
+        let known = self.placements.len();
+        self.placements.extend(plant.bodies[known..].iter().map(|body| body.placement(mechanisms)));
+        for &body in &self.moving {
+            self.placements[body] = plant.bodies[body].placement(mechanisms);
+        }
+    }
+
+    /// Begins a step at the plant's present kinematics.
+    pub fn begin_step(&mut self, plant: &Plant) {
+        self.place(plant);
+        self.starts.clone_from(&self.placements);
+        self.ways.clear();
+        self.ways.resize(self.starts.len(), 0.0);
+        for c in 0..self.candidates.len() {
+            let is_present = present_part(plant, &self.candidates[c].pair).is_some();
+            self.candidates[c].start = if is_present { 0.0 } else { self.distance(plant, &self.candidates[c]) };
+        }
+    }
+
+    /// Prepares [`gap`](Self::gap) for the plant's present kinematics.
+    pub fn update_ways(&mut self, plant: &Plant) {
+        self.place(plant);
+        for &body in &self.moving {
+            self.ways[body] = self.placements[body].way_from(&self.starts[body], &plant.bodies[body].shape);
+        }
+    }
+
+    /// Distance of the bodies of a pair, m, or a lower bound for it above zero.
+    fn distance(&self, plant: &Plant, candidate: &Candidate) -> f64 {
+        let (a, b) = bodies(plant, &candidate.pair);
+        let (pa, pb) = self.placements_of(&candidate.pair);
+        let bound = spheres_apart((a, pa), (b, pb));
+        if bound > 0.0 {
+            return bound;
+        }
+        patches::separation(&a.shape, pa, &b.shape, pb, candidate.hint, 0.0).distance
+    }
+
+    fn placements_of(&self, pair: &Pair) -> (&Placement, &Placement) {
+        (&self.placements[pair.bodies.0], &self.placements[pair.bodies.1])
     }
 
     /// Positive while a pair needs no other corners: the distance of one that does not touch, or the
-    /// validity of its corners. Then those of the boxes in which terrain is known.
+    /// validity of its corners. Then those of the boxes in which terrain is known. Needs
+    /// [`update_ways`](Self::update_ways).
     pub fn gap(&self, plant: &Plant, c: usize) -> f64 {
         let Some(candidate) = self.candidates.get(c) else {
-            let inside = |terrain: &TerrainPairs| terrain.inside(plant, c - self.candidates.len());
+            let i = c - self.candidates.len();
+            let inside = |terrain: &TerrainPairs| terrain.inside(plant, &self.placements, i);
             return self.terrain.as_ref().map_or(f64::INFINITY, inside);
         };
-        let (a, b) = bodies(plant, &candidate.pair);
-        let mechanisms = plant.objects.mechanisms(&plant.ws);
-        let (pa, pb) = (a.placement(mechanisms), b.placement(mechanisms));
+        let bound = candidate.start - self.ways[candidate.pair.bodies.0] - self.ways[candidate.pair.bodies.1];
+        if bound > 0.0 {
+            return bound;
+        }
         match present_part(plant, &candidate.pair) {
-            Some(part) => patches::validity(&part.topology, &a.shape, &pa, &b.shape, &pb, 1.0),
-            None => {
-                let bound = spheres_apart((a, &pa), (b, &pb));
-                if bound > 0.0 {
-                    return bound;
-                }
-                patches::separation(&a.shape, &pa, &b.shape, &pb, candidate.hint, 0.0).distance
+            Some(part) => {
+                let ((a, b), (pa, pb)) = (bodies(plant, &candidate.pair), self.placements_of(&candidate.pair));
+                patches::validity(&part.topology, &a.shape, pa, &b.shape, pb, 1.0)
             }
+            None => self.distance(plant, candidate),
         }
     }
 
     /// The patches of the plant's present state, if they differ from its present ones. Needs its kinematics.
     /// `step` is the size of a step without located events. Allocates only if they differ.
     pub fn find(&mut self, plant: &Plant, distance: f64, step: Option<f64>) -> Option<Vec<PairPatch>> {
-        let mechanisms = plant.objects.mechanisms(&plant.ws);
+        self.place(plant);
         self.found.clear();
         let parts = plant.pair_patches().map(|patch| patch.parts.len()).sum::<usize>();
         let mut known = 0;
         let mut changed = false;
         for candidate in &mut self.candidates {
             let present = present_part(plant, &candidate.pair);
-            let found = find_corners(candidate, present, plant, mechanisms, distance, step);
+            let found = find_corners(candidate, present, plant, &self.placements, distance, step);
             known += usize::from(present.is_some());
             changed |= match &found {
                 Found::Apart => present.is_some(),
@@ -125,7 +211,7 @@ impl PairContacts {
         let parts = self.candidates.iter().zip(self.found.drain(..)).filter_map(|(candidate, found)| match found {
             Found::Apart => None,
             Found::Present => present_part(plant, &candidate.pair).cloned(),
-            Found::Changed(topology) => Some(Part::new(candidate.pair.clone(), topology, &plant.bodies, mechanisms)),
+            Found::Changed(part) => Some(*part),
         });
         Some(PairPatch::merge(parts.collect(), &plant.bodies))
     }
@@ -225,12 +311,12 @@ fn find_corners(
     candidate: &mut Candidate,
     present: Option<&Part>,
     plant: &Plant,
-    mechanisms: Mechanisms,
+    placements: &[Placement],
     distance: f64,
     step: Option<f64>,
 ) -> Found {
     let (a, b) = bodies(plant, &candidate.pair);
-    let (pa, pb) = (a.placement(mechanisms), b.placement(mechanisms));
+    let (pa, pb) = (placements[candidate.pair.bodies.0], placements[candidate.pair.bodies.1]);
     let way = step.map_or(0.0, |dt| 2.0 * dt * (fastest((a, &pa), (b, &pb)) + plant.gravity.norm() * dt));
     let near = distance + way;
     let reach = if present.is_some() { KEPT * near } else { near };
@@ -238,7 +324,7 @@ fn find_corners(
         return Found::Apart;
     }
     let hint = present.map_or(candidate.hint, |part| Some(part.topology.owner));
-    let Separation { distance, mut owner, .. } = patches::separation(&a.shape, &pa, &b.shape, &pb, hint, reach);
+    let Separation { distance, owner, .. } = patches::separation(&a.shape, &pa, &b.shape, &pb, hint, reach);
     candidate.hint = owner;
     if distance > reach {
         return Found::Apart;
@@ -252,19 +338,53 @@ fn find_corners(
     {
         return Found::Present;
     }
-    if step.is_some() {
-        owner = patches::separation(&a.shape, &after_a, &b.shape, &after_b, None, f64::INFINITY).owner.or(owner);
-    }
+    let after = |_| patches::separation(&a.shape, &after_a, &b.shape, &after_b, None, f64::INFINITY).owner;
     // At a seam a wall of the next piece is as near as its upper side.
-    owner = coplanar_face(plant, &candidate.pair, b, &pb).or(owner);
-    let Some(owner) = owner else { return Found::Apart };
+    let owners = [coplanar_face(plant, &candidate.pair, b, &pb), step.and_then(after), owner];
     let mut topology = present.map_or_else(Topology::default, |part| part.topology.clone());
-    let incident = present.filter(|part| part.topology.owner == owner).and_then(|part| part.topology.incident);
-    if !patches::topology(&a.shape, &pa, &b.shape, &pb, reach, owner, incident, &mut topology) {
+    let mut is_near = |owner: Owner| {
+        let incident = present.filter(|part| part.topology.owner == owner).and_then(|part| part.topology.incident);
+        patches::topology(&a.shape, &pa, &b.shape, &pb, reach, owner, incident, &mut topology)
+    };
+    if owners == [None; 3] {
         return Found::Apart;
     }
+    if !owners.into_iter().flatten().any(&mut is_near) {
+        match patches::tied_topology(&a.shape, &pa, &b.shape, &pb, distance, reach) {
+            Some(tied) => topology = tied,
+            None => return Found::Apart,
+        }
+    }
     // Even with the same corners: their functions of validity begin anew.
-    Found::Changed(topology)
+    let mechanisms = plant.objects.mechanisms(&plant.ws);
+    let part = Part::new(candidate.pair.clone(), topology, &plant.bodies, mechanisms);
+    let opened = if present.is_some() && step.is_none() { opened(&part, plant, reach) } else { None };
+    Found::Changed(Box::new(opened.unwrap_or(part)))
+}
+
+/// The part on the feature along which the bodies move apart, if they do so at a point where several features
+/// meet. A vertex that slides over a border touches the face and the border: the distance is then that from the
+/// plane which it leaves faster.
+fn opened(part: &Part, plant: &Plant, reach: f64) -> Option<Part> {
+    if !part.touches_at_point(NEAR, POINT) {
+        return None;
+    }
+    let (a, b) = bodies(plant, &part.pair);
+    let mechanisms = plant.objects.mechanisms(&plant.ws);
+    let (pa, pb) = (a.placement(mechanisms), b.placement(mechanisms));
+    let (after_a, after_b) = (ahead(&pa, SOON), ahead(&pb, SOON));
+    let after = patches::separation(&a.shape, &after_a, &b.shape, &after_b, None, f64::INFINITY);
+    let owner = after.owner.filter(|owner| *owner != part.topology.owner)?;
+    if part.opening_speed(NEAR) > plant.rest || after.distance <= NEAR + plant.rest * SOON {
+        return None;
+    }
+    let mut topology = part.topology.clone();
+    if !patches::topology(&a.shape, &pa, &b.shape, &pb, reach, owner, None, &mut topology) {
+        return None;
+    }
+    let mut other = Part::new(part.pair.clone(), topology, &plant.bodies, mechanisms);
+    other.opens = true;
+    Some(other).filter(|other| other.opening_speed(NEAR) > plant.rest)
 }
 
 /// The face of body B that lies in the plane of a present patch of body A with the world, if one does.

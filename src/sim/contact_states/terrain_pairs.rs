@@ -1,15 +1,11 @@
 //! Pieces of terrain near moving bodies.
 //!
-//! Terrain may have many pieces. A moving body forms pairs with those that meet a box around it, which is
-//! computed again when the body's sphere reaches the border of the box, an event:
-//!
-//! ```text
-//! inside = min over the axes of (box_max - (c + r), (c - r) - box_min)
-//! ```
-//!
-//! with the centre c and the radius r of the sphere.
+//! Terrain may have many pieces. A moving body forms pairs with those that meet a box around it: the least one,
+//! extended by a distance. It is computed again when the body may have moved by that distance
+//! ([`Placement::way_from`]), which is an event, and between steps already after a part of it.
 
 use crate::dynamics::reduced::BodyId;
+use crate::patches::{ConvexBody, Placement};
 use crate::sim::bodies::{Body, Pair, PairFriction};
 use crate::sim::plant::Plant;
 use crate::terrain::{PieceRef, Terrain, TerrainPiece};
@@ -17,17 +13,27 @@ use nalgebra::Vector3;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Distance of the border of a new box from the sphere, m.
-const SLACK: f64 = 0.02;
-/// Time, s, for which a new box suffices at the present speed.
-const HORIZON: f64 = 0.05;
+/// Extension of a new box for a body at rest, m.
+const SLACK: f64 = 0.01;
+/// Time, s, for which a new box suffices at the present speeds.
+const HORIZON: f64 = 0.02;
+/// Part of the distance that must be left between steps.
+const LEFT: f64 = 0.5;
 
 /// A body that may touch terrain.
 struct Moving {
     body: usize,
     link: BodyId,
-    /// Least and greatest corner of its box, m.
-    bounds: (Vector3<f64>, Vector3<f64>),
+    /// Its box.
+    region: Option<Region>,
+    /// Its pairs with the pieces that meet the box.
+    pairs: Vec<Pair>,
+}
+
+/// The placement from which a body may move by `reach`, m, within its box.
+struct Region {
+    placement: Placement,
+    reach: f64,
 }
 
 /// Terrain, and the bodies that may touch it.
@@ -37,22 +43,24 @@ pub struct TerrainPairs {
     /// Bodies of the plant that stand for pieces.
     pieces: HashMap<PieceRef, Option<usize>>,
     buffer: TerrainPiece,
+    /// Pieces that meet a box.
+    near: Vec<PieceRef>,
 }
 
 impl TerrainPairs {
     /// For the bodies of a plant that move.
     pub fn new(terrain: Arc<Terrain>, plant: &Plant) -> Self {
-        let nowhere = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
         let mechanisms = plant.objects.mechanisms(&plant.ws);
         let moving = |(body, of): (usize, &Body)| {
             let link = of.link().filter(|_| of.moves(mechanisms))?;
-            Some(Moving { body, link, bounds: nowhere })
+            Some(Moving { body, link, region: None, pairs: Vec::new() })
         };
         TerrainPairs {
             moving: plant.bodies.iter().enumerate().filter_map(moving).collect(),
             terrain,
             pieces: HashMap::new(),
             buffer: TerrainPiece::prism_buffer(),
+            near: Vec::new(),
         }
     }
 
@@ -61,63 +69,65 @@ impl TerrainPairs {
         self.moving.len()
     }
 
-    /// Positive while body `i` is inside its box, m.
-    pub fn inside(&self, plant: &Plant, i: usize) -> f64 {
+    /// Positive while body `i` is inside its box, m. `placements`: those of the plant's bodies.
+    pub fn inside(&self, plant: &Plant, placements: &[Placement], i: usize) -> f64 {
         let moving = &self.moving[i];
-        let (centre, radius, _) = sphere(plant, moving);
-        let (min, max) = &moving.bounds;
-        let inside = |k: usize| (max[k] - centre[k] - radius).min(centre[k] - radius - min[k]);
-        (0..3).map(inside).fold(f64::INFINITY, f64::min)
+        let shape = &plant.bodies[moving.body].shape;
+        let inside = |region: &Region| region.reach - placements[moving.body].way_from(&region.placement, shape);
+        moving.region.as_ref().map_or(-1.0, inside)
     }
 
-    /// Updates the boxes to the plant's kinematics, and adds bodies for new pieces to the plant. Returns the
-    /// pairs if a box has changed.
-    pub fn update(&mut self, plant: &mut Plant) -> Option<Vec<Pair>> {
+    /// Updates the boxes to these placements of the plant's bodies, and adds bodies for new pieces to the plant.
+    /// Returns whether pairs have changed.
+    pub fn update(&mut self, plant: &mut Plant, placements: &[Placement]) -> bool {
         let mut changed = false;
         for i in 0..self.moving.len() {
-            if self.inside(plant, i) >= 0.0 {
+            let reach = self.moving[i].region.as_ref().map_or(0.0, |region| region.reach);
+            if self.inside(plant, placements, i) > LEFT * reach {
                 continue;
             }
             let moving = &mut self.moving[i];
-            let (centre, radius, speed) = sphere(plant, moving);
-            let reach = Vector3::repeat(radius + SLACK + HORIZON * speed);
-            moving.bounds = (centre - reach, centre + reach);
-            changed = true;
+            let (shape, placement) = (&plant.bodies[moving.body].shape, placements[moving.body]);
+            let reach = SLACK + HORIZON * fastest(shape, &placement);
+            let (min, max) = shape.bounds(&placement);
+            let (min, max) = (min.add_scalar(-reach), max.add_scalar(reach));
+            moving.region = Some(Region { placement, reach });
+            changed |= self.find_pairs(plant, i, (&min, &max));
         }
-        changed.then(|| self.pairs(plant))
+        changed
     }
 
-    fn pairs(&mut self, plant: &mut Plant) -> Vec<Pair> {
-        let mut near = Vec::new();
-        let mut pairs = Vec::new();
-        for moving in &self.moving {
-            near.clear();
-            let (min, max) = &moving.bounds;
-            self.terrain.near(min, max, |piece| near.push(piece));
-            for piece in &near {
-                let (terrain, buffer) = (&self.terrain, &mut self.buffer);
-                let body = self.pieces.entry(*piece).or_insert_with(|| {
-                    plant.bodies.push(Body::of_piece(terrain.piece(*piece, buffer))?);
-                    Some(plant.bodies.len() - 1)
-                });
-                let Some(body) = *body else { continue };
-                let (one, other) = (&plant.bodies[moving.body], &plant.bodies[body]);
-                if !plant.pair_rules.touches(&one.name, &other.name) {
-                    continue;
-                }
-                let rule = plant.pair_rules.friction(&one.name, &other.name);
-                let friction = rule.map_or_else(|| PairFriction::of(one, other), PairFriction::given);
-                pairs.push(Pair { bodies: (moving.body, body), links: (moving.link, None), friction });
+    /// The pairs, body by body.
+    pub fn pairs(&self) -> impl Iterator<Item = &Pair> {
+        self.moving.iter().flat_map(|moving| &moving.pairs)
+    }
+
+    /// Finds the pairs of body `i` with the pieces that meet a box. Returns whether they have changed.
+    fn find_pairs(&mut self, plant: &mut Plant, i: usize, (min, max): (&Vector3<f64>, &Vector3<f64>)) -> bool {
+        let moving = &mut self.moving[i];
+        self.near.clear();
+        self.terrain.near(min, max, |piece| self.near.push(piece));
+        let before = std::mem::take(&mut moving.pairs);
+        for piece in &self.near {
+            let (terrain, buffer) = (&self.terrain, &mut self.buffer);
+            let body = self.pieces.entry(*piece).or_insert_with(|| {
+                plant.bodies.push(Body::of_piece(terrain.piece(*piece, buffer))?);
+                Some(plant.bodies.len() - 1)
+            });
+            let Some(body) = *body else { continue };
+            let (one, other) = (&plant.bodies[moving.body], &plant.bodies[body]);
+            if !plant.pair_rules.touches(&one.name, &other.name) {
+                continue;
             }
+            let rule = plant.pair_rules.friction(&one.name, &other.name);
+            let friction = rule.map_or_else(|| PairFriction::of(one, other), PairFriction::given);
+            moving.pairs.push(Pair { bodies: (moving.body, body), links: (moving.link, None), friction });
         }
-        pairs
+        !moving.pairs.iter().map(|pair| pair.bodies).eq(before.iter().map(|pair| pair.bodies))
     }
 }
 
-/// Centre and radius of the sphere around a body, m, and a bound of the speed of its points, m/s.
-fn sphere(plant: &Plant, moving: &Moving) -> (Vector3<f64>, f64, f64) {
-    let body = &plant.bodies[moving.body];
-    let placement = body.placement(plant.objects.mechanisms(&plant.ws));
-    let (centre, radius) = (placement.point(&body.shape.centre), body.shape.radius);
-    (centre, radius, placement.velocity_at(&centre).norm() + placement.omega.norm() * radius)
+/// Bound of the speed of the points of a body, m/s.
+fn fastest(shape: &ConvexBody, placement: &Placement) -> f64 {
+    placement.velocity_at(&placement.point(&shape.centre)).norm() + placement.omega.norm() * shape.radius
 }

@@ -38,6 +38,7 @@ pub(super) fn set_vertices(
         v.bias = axes.tr_mul(&point.bias);
         v.moving = v.velocity.xy().norm_squared() > rest * rest;
         v.near = false;
+        v.leaves = patch.opens(i) && v.velocity.z > rest;
         mean += v.bias;
     }
     let k = sole.vertices.len();

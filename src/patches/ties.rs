@@ -1,0 +1,45 @@
+//! Owners that are as good as the one that `separation` names.
+//!
+//! Where a face lies against an edge, its sides that are parallel to each other have the same normal with the edge,
+//! and the same support distance. Only those that reach the edge make a patch.
+
+use super::separation::{REACH, Search};
+use super::{ConvexBody, Owner, Placement, Topology, topology};
+
+/// Sine of the angle between edges below which they make no plane.
+const PARALLEL: f64 = 1e-9;
+
+/// The patch of the first owner (faces of B, faces of A, edge pairs) whose support distance is `distance`, m, up to
+/// 1e-9 m, and that has corners with gaps of at most `near`, m. Tries all features.
+pub fn tied_topology(
+    a: &ConvexBody,
+    pa: &Placement,
+    b: &ConvexBody,
+    pb: &Placement,
+    distance: f64,
+    near: f64,
+) -> Option<Topology> {
+    let search = Search::new(a, pa, b, pb);
+    let mut found = Topology::default();
+    let mut is_patch = |owner: Owner, value: f64| {
+        let ties = value >= distance - REACH && search.is_touchable(owner);
+        ties && topology(a, pa, b, pb, near, owner, None, &mut found)
+    };
+    let of_b = |(k, face): (usize, &super::Face)| (Owner::FaceOfB(k as u16), search.along(&face.normal));
+    let of_a = |(k, face): (usize, &super::Face)| (Owner::FaceOfA(k as u16), search.along(&-(search.r * face.normal)));
+    let has_patch = b.faces.iter().enumerate().map(of_b).any(|(owner, value)| is_patch(owner, value))
+        || a.faces.iter().enumerate().map(of_a).any(|(owner, value)| is_patch(owner, value))
+        || a.edges.iter().enumerate().any(|(i, edge)| {
+            let e = search.r * edge.direction;
+            b.edges.iter().enumerate().any(|(j, other)| {
+                let n = e.cross(&other.direction);
+                let owner = Owner::Edges(i as u16, j as u16);
+                let norm = n.norm();
+                norm > PARALLEL && {
+                    let n = n / norm;
+                    is_patch(owner, search.along(&n).max(search.along(&-n)))
+                }
+            })
+        });
+    has_patch.then_some(found)
+}
