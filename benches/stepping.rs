@@ -8,6 +8,7 @@
 use divan::Bencher;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::slice;
 use stiction::assemble;
 use stiction::contact::methods::registry::{MethodDescriptor, MethodParameters};
 use stiction::contact::model::problem::Tolerances;
@@ -190,7 +191,7 @@ fn right_hand_side(bencher: Bencher) {
     let method = (MethodDescriptor::named("exact").expect("registered").solver)(&MethodParameters::default(), &problem);
     let mut plant = Plant::new(setup("exact", ADAPTIVE).plant(), method, problem);
     plant.state.clone_from(&sim.plant().state);
-    plant.states = sim.plant().states;
+    plant.states = sim.plant().states.clone();
     assert!((0..2).all(|s| plant.states[s] == SoleState::fixed(Pattern::Face)), "on both soles");
     super::each(bencher, || plant.evaluate());
 }
@@ -218,7 +219,7 @@ fn selection_from_a_changed_state(bencher: Bencher) {
     let (mut selector, mut out) = (Selector::new(SearchOrder::Direct, &p), Solution::new(&p));
     let mut start = States::default();
     start[0] = SoleState::fixed(Pattern::Face);
-    let rules = Rules::new(Tolerances::default(), start);
+    let rules = Rules::new(Tolerances::default(), start.clone());
     let input = SelectionInput { rules: &rules, event: true, allowed: &|_, _| true, cancel: None };
-    super::each(bencher, || selector.select(&mut p, &[start], &input, &mut out).tested);
+    super::each(bencher, || selector.select(&mut p, slice::from_ref(&start), &input, &mut out).tested);
 }

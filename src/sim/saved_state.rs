@@ -3,8 +3,9 @@
 use super::bodies::PairPatch;
 use super::contact_states::link_contacts::{LinkContacts, LinkPolygon};
 use super::plant::Plant;
+use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::{MAX_SOLES, States};
+use crate::contact::model::state::States;
 use crate::dynamics::State;
 use nalgebra::{Vector2, Vector3};
 
@@ -18,9 +19,9 @@ pub struct SavedState {
     pairs: Vec<PairPatch>,
     states: States,
     directions: Vec<Vec<Vector2<f64>>>,
-    fast_slips: [u64; MAX_SOLES],
+    fast_slips: PerSole<u64>,
     anchors: Vec<Vec<Vector3<f64>>>,
-    suspect: [u8; MAX_SOLES],
+    suspect: PerSole<u8>,
     /// Contact forces, from which methods without a search derive the next states.
     solution: Solution,
 }
@@ -33,11 +34,11 @@ impl SavedState {
             objects: plant.objects.list.iter().map(|object| object.state.clone()).collect(),
             links: None,
             pairs: Vec::new(),
-            states: plant.states,
+            states: plant.states.clone(),
             directions: plant.directions.clone(),
-            fast_slips: plant.fast_slips,
+            fast_slips: plant.fast_slips.clone(),
             anchors: anchors.to_vec(),
-            suspect: [0; MAX_SOLES],
+            suspect: PerSole::default(),
             solution: Solution::new(&plant.problem),
         }
     }
@@ -52,35 +53,35 @@ impl SavedState {
         &mut self,
         plant: &Plant,
         anchors: &[Vec<Vector3<f64>>],
-        suspect: &[u8; MAX_SOLES],
+        suspect: &PerSole<u8>,
         links: Option<&LinkContacts>,
     ) {
         self.links = links.map(|links| links.present.clone());
         self.pairs = plant.pair_patches().cloned().collect();
         self.objects.iter_mut().zip(&plant.objects.list).for_each(|(to, object)| to.copy_from(&object.state));
         self.state.copy_from(&plant.state);
-        self.states = plant.states;
+        self.states.clone_from(&plant.states);
         self.directions.clone_from(&plant.directions);
-        self.fast_slips = plant.fast_slips;
+        self.fast_slips.clone_from(&plant.fast_slips);
         anchors.clone_into(&mut self.anchors);
-        self.suspect = *suspect;
+        self.suspect.clone_from(suspect);
         self.solution.copy_from(&plant.solution);
     }
 
     /// Restores the state at the plant's present time. The plant must have the saved polygons. Kinematic joints stay on their commanded
     /// motion.
-    pub fn restore(&self, plant: &mut Plant, anchors: &mut [Vec<Vector3<f64>>], suspect: &mut [u8; MAX_SOLES]) {
+    pub fn restore(&self, plant: &mut Plant, anchors: &mut [Vec<Vector3<f64>>], suspect: &mut PerSole<u8>) {
         let time = plant.state.time;
         plant.state.copy_from(&self.state);
         plant.state.time = time;
         plant.objects.list.iter_mut().zip(&self.objects).for_each(|(object, from)| object.state.copy_from(from));
         plant.objects.set_time(time);
         plant.apply_prescribed_motion();
-        plant.states = self.states;
+        plant.states.clone_from(&self.states);
         copy(&mut plant.directions, &self.directions);
-        plant.fast_slips = self.fast_slips;
+        plant.fast_slips.clone_from(&self.fast_slips);
         copy(anchors, &self.anchors);
-        *suspect = self.suspect;
+        suspect.clone_from(&self.suspect);
         plant.solution.copy_from(&self.solution);
         plant.problem.set_directions(&self.directions);
     }

@@ -24,9 +24,9 @@ use super::stepper::step_size::StepSize;
 use super::stepper::{Discontinuity, ExplicitStepper, SemiImplicitStepper, Stepper};
 use super::termination::StallGuard;
 use crate::contact::methods::contact_method::Scheme;
+use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::MAX_SOLES;
 use crate::integrate::StepControl;
 use crate::robot::{LinkId, Model};
 use crate::text::length_limit::limit_length;
@@ -98,7 +98,7 @@ impl Simulation {
             energy: EnergyAccount::default(),
             residuals: ResidualMaxima::default(),
             milestones: Milestones::new(&plant),
-            suspect: [0; MAX_SOLES],
+            suspect: PerSole::default(),
             anchors: model.soles.iter().map(|s| vec![Vector3::zeros(); s.vertices.len()]).collect(),
             before_selection: projection.clone(),
             projection,
@@ -291,10 +291,6 @@ impl Simulation {
 }
 
 fn check_soles(model: &Model) -> Result<(), RunError> {
-    if model.soles.len() > MAX_SOLES {
-        let message = format!("the robot has {} soles, at most {MAX_SOLES} are supported", model.soles.len());
-        return Err(RunError::internal(message));
-    }
     if let Some(s) = model.soles.iter().find(|s| s.vertices.is_empty() || s.vertices.len() > 64) {
         let message = format!("sole `{}` has {} vertices, 1 to 64 are supported", s.name, s.vertices.len());
         return Err(RunError::internal(message));

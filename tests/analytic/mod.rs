@@ -20,6 +20,7 @@ pub mod imu;
 mod incline;
 mod jump;
 mod landing;
+mod many_contacts;
 mod object_forces;
 mod object_models;
 mod objects;

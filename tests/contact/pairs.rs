@@ -65,7 +65,7 @@ proptest! {
         let (selection, out) = select(&mut p);
         prop_assert!(selection.consistent, "{:?} {:?}", selection.states, selection.assessment.levels);
         let violations = law::violations(&p, &selection.states, &out, size(&p, G));
-        prop_assert!(violations.is_empty(), "{:?} {violations:?}", &selection.states.0[..2]);
+        prop_assert!(violations.is_empty(), "{:?} {violations:?}", selection.states);
     }
 
     #[test]
@@ -88,7 +88,7 @@ proptest! {
         let (selection, out) = strike(&mut p);
         prop_assert!(selection.consistent, "{:?} {:?}", selection.states, selection.assessment.levels);
         let violations = law::violations(&p, &selection.states, &out, size(&p, 1.0));
-        prop_assert!(violations.is_empty(), "{:?} {violations:?}", &selection.states.0[..2]);
+        prop_assert!(violations.is_empty(), "{:?} {violations:?}", selection.states);
         // Rounding of the solve, some 1e-12 of the energy, times the condition of the joint.
         prop_assert!(pair.energy(&out.motion) <= pair.energy(&before) * (1.0 + 1e-9));
     }
@@ -105,7 +105,7 @@ proptest! {
         let (selection, out) = strike(&mut p);
         prop_assert!(selection.consistent, "{:?} {:?}", selection.states, selection.assessment.levels);
         let violations = law::violations(&p, &selection.states, &out, size(&p, 1.0));
-        prop_assert!(violations.is_empty(), "{:?} {violations:?}", &selection.states.0[..2]);
+        prop_assert!(violations.is_empty(), "{:?} {violations:?}", selection.states);
         let work = |s: usize, i: usize| out.normal[s][i] * p.vertex_motion(&out.motion, s, i).z;
         let back: f64 = (0..2).flat_map(|s| (0..p.soles[s].vertices.len()).map(move |i| (s, i))).map(|(s, i)| work(s, i)).sum();
         let gain = pair.energy(&out.motion) - pair.energy(&before);

@@ -48,7 +48,7 @@ pub(crate) fn least_sliding_load(
 ) -> Option<SlidingLoad> {
     let slides = |v: &Vertex| v.is_in_band(tol) && v.velocity.xy().norm() > tol.rest;
     let moving: Vec<_> = p.vertex_indices().filter(|&(s, i)| slides(&p.soles[s].vertices[i])).collect();
-    let mut held = *states;
+    let mut held = states.clone();
     for s in 0..p.soles.len() {
         if !held[s].is_static() || moving.iter().any(|(m, _)| *m == s) {
             held[s] = SoleState::FREE;

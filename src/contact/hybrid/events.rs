@@ -14,10 +14,11 @@
 //! | distance of a sliding or rolling vertex to the border of its friction region | other friction |
 
 use crate::contact::methods::penalty;
+use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::{Problem, TOUCHING, Tolerances};
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::{MAX_SOLES, Mode, SoleState, States};
-use crate::contact::search::judge::{CLEAR, SUSPECT_FRICTION, SUSPECT_NORMAL, margin};
+use crate::contact::model::state::{Mode, SoleState, States};
+use crate::contact::search::judge::{CLEAR, Margin, SUSPECT_FRICTION, SUSPECT_NORMAL, margin};
 use nalgebra::Vector2;
 
 /// Inputs of event functions: the contact problem, the current states and their solution.
@@ -165,7 +166,7 @@ impl EventFunctions {
     /// Values at the present evaluation, into a slice of length [`len`](Self::len).
     pub fn fill(&self, now: &ContactInForce, out: &mut [f64]) {
         let (p, tol) = (now.problem, now.tolerances);
-        let mut margins = [None; MAX_SOLES];
+        let mut margins = PerSole::<Option<Margin>>::default();
         let mut margin_of = |s: usize| *margins[s].get_or_insert_with(|| margin(p, now.states, s, now.solution));
         for (item, g) in self.functions.iter().zip(out.iter_mut()) {
             *g = match *item {
@@ -202,7 +203,7 @@ impl EventFunctions {
     }
 
     /// Marks the soles whose load reached its limit; some of `values` are negative.
-    pub fn suspects(&self, values: &[f64], suspect: &mut [u8; MAX_SOLES]) {
+    pub fn suspects(&self, values: &[f64], suspect: &mut PerSole<u8>) {
         suspect.fill(0);
         let fired =
             |kind: fn(&Function) -> bool| self.functions.iter().zip(values).any(|(item, g)| kind(item) && *g < 0.0);

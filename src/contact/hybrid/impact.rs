@@ -74,7 +74,7 @@ pub(crate) fn set_rest(
         set_target(sole, &velocity[6 * s..6 * s + 6], approach, tol, restitution);
         sole.vertices.iter_mut().for_each(|v| v.bias = Vector3::zeros());
     }
-    let mut held = *states;
+    let mut held = states.clone();
     for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| states[*s].is_dynamic()) {
         let k = sole.vertices.len();
         let rests = |i: usize| sole.vertices[i].velocity.xy().norm() <= 10.0 * tol.rest;

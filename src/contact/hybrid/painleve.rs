@@ -127,7 +127,7 @@ pub(crate) fn jam(
         let k = load.loaded[s].len();
         (input.allowed)(s, state) && (0..k).all(|i| !load.loaded[s][i] || state.clamps(i, k))
     };
-    let preferring = Rules { exhaustive: false, ..*input.rules };
+    let preferring = Rules { exhaustive: false, ..input.rules.clone() };
     let preferred = SelectionInput { rules: &preferring, allowed: &together, ..*input };
     let mut selection = method.impulse(p, &preferred, solution);
     let mut tested = selection.tested;
@@ -147,7 +147,8 @@ pub(crate) fn jam(
         // determines how far.
         impulses.wrench.copy_from_slice(&solution.wrench);
     }
-    ((selection.consistent && stopped).then_some(selection.states), Some(selection))
+    let states = (selection.consistent && stopped).then(|| selection.states.clone());
+    (states, Some(selection))
 }
 
 /// Whether a sliding vertex that stays clamped loses a part of its slip.

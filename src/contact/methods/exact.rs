@@ -45,7 +45,7 @@ impl Exact {
 
     /// The previous patterns, with the modes that the velocities allow.
     fn carry_over(p: &Problem, before: &States) -> States {
-        let mut start = *before;
+        let mut start = before.clone();
         for s in 0..p.soles.len() {
             let keeps_turning = match before[s].mode {
                 Mode::Pivoting(j) => before[s].is_dynamic() && !p.soles[s].vertices[j as usize].moving,

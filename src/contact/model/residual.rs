@@ -100,11 +100,9 @@ pub fn loads(p: &Problem, states: &States, solution: &Solution) -> Loads {
         for (i, v) in sole.vertices.iter().enumerate() {
             r.vertex(v, normal[i], &tangent[i], role(states[s], i, sole.vertices.len()));
         }
-        if sole_group::is_shared(p, states, s)
-            && let Some(group) = sole_group::group_margin(p, states, s, solution)
-        {
+        if sole_group::is_shared(p, states, s) {
             // The static soles of one body can only slip together.
-            r.cone_excess = r.cone_excess.max(-group.margin);
+            r.cone_excess = r.cone_excess.max(-sole_group::group_margin(p, states, s, solution).margin);
         } else if states[s].is_static() {
             r.cone_excess = r.cone_excess.max(-static_margin(sole, states[s].pattern, normal, tangent, wrench));
         }

@@ -13,9 +13,10 @@ use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::States;
 use nalgebra::Vector2;
+use smallvec::SmallVec;
 
-/// Most vertices of one group.
-const MAX_POINTS: usize = 128;
+/// Vertices of a group up to which nothing is allocated.
+const INLINE: usize = 128;
 
 /// Friction margin of the static soles of one body together.
 #[derive(Clone, Copy, Debug)]
@@ -48,11 +49,9 @@ pub fn is_shared(p: &Problem, states: &States, s: usize) -> bool {
     states[s].is_static() && members(p, states, s).nth(1).is_some()
 }
 
-/// Margin of the group of sole `s`; `None` for more than `MAX_POINTS` vertices. Needs the normal
-/// forces of the vertices.
-pub fn group_margin(p: &Problem, states: &States, s: usize, solution: &Solution) -> Option<GroupMargin> {
-    let mut points = [(0.0, Vector2::zeros()); MAX_POINTS];
-    let mut count = 0;
+/// Margin of the group of sole `s`. Needs the normal forces of the vertices.
+pub fn group_margin(p: &Problem, states: &States, s: usize, solution: &Solution) -> GroupMargin {
+    let mut points = SmallVec::<[(f64, Vector2<f64>); INLINE]>::new();
     let (mut force, mut yaw) = (Vector2::zeros(), 0.0);
     let mut middle = Vector2::zeros();
     for t in members(p, states, s) {
@@ -64,19 +63,17 @@ pub fn group_margin(p: &Problem, states: &States, s: usize, solution: &Solution)
         yaw += w[5] + sole.position.xy().perp(&f);
         for (i, v) in sole.vertices.iter().enumerate().filter(|(i, _)| states[t].clamps(*i, k)) {
             let position = sole.position.xy() + v.r.xy();
-            *points.get_mut(count)? = (v.mu_s * solution.normal[t][i].max(0.0), position);
+            points.push((v.mu_s * solution.normal[t][i].max(0.0), position));
             middle += position;
-            count += 1;
         }
     }
     // Moments about the mean of the points avoid cancellation far from the floor's origin.
-    middle /= count as f64;
+    middle /= points.len() as f64;
     yaw -= middle.perp(&force);
-    let points = &mut points[..count];
     points.iter_mut().for_each(|(_, position)| *position -= middle);
     let radius = points.iter().map(|(_, r)| r.norm()).fold(0.0, f64::max);
-    let (margin, slip) = friction_capacity::face(points, &force, yaw, radius);
+    let (margin, slip) = friction_capacity::face(&points, &force, yaw, radius);
     let turn = -slip.z / radius;
     let linear = -slip.xy() - Vector2::new(-middle.y, middle.x) * turn;
-    Some(GroupMargin { margin, linear, turn })
+    GroupMargin { margin, linear, turn }
 }

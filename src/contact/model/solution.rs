@@ -1,7 +1,7 @@
 //! A solution of the reduced contact problem: sole wrenches, sole motions, vertex forces.
 
+use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::Problem;
-use crate::contact::model::state::MAX_SOLES;
 use nalgebra::{Vector2, Vector3};
 
 /// Wrenches, motions and vertex forces of a problem. The problem fixes the length of each list.
@@ -18,7 +18,7 @@ pub struct Solution {
     /// convention.
     pub tangent: Vec<Vec<Vector2<f64>>>,
     /// Did the pressure rule of every face find a centre of pressure inside its polygon?
-    pub inside: [bool; MAX_SOLES],
+    pub inside: PerSole<bool>,
 }
 
 impl Solution {
@@ -29,7 +29,7 @@ impl Solution {
             motion: vec![0.0; p.dim()],
             normal: p.soles.iter().map(|s| vec![0.0; s.vertices.len()]).collect(),
             tangent: p.soles.iter().map(|s| vec![Vector2::zeros(); s.vertices.len()]).collect(),
-            inside: [true; MAX_SOLES],
+            inside: PerSole::filled(true),
         }
     }
 
@@ -39,7 +39,7 @@ impl Solution {
         self.motion.clone_from(&other.motion);
         self.normal.clone_from(&other.normal);
         self.tangent.clone_from(&other.tangent);
-        self.inside = other.inside;
+        self.inside.clone_from(&other.inside);
     }
 
     /// Sets the force on vertex `i` of sole `s`, floor axes, N or N s.

@@ -6,10 +6,8 @@
 //! `Pivoting` refines sliding: the sole turns about one clamped vertex at rest. It is reported as
 //! dynamic and not counted as a separate state.
 
+use super::per_sole::PerSole;
 use std::fmt;
-
-/// Greatest number of soles and other polygons of a contact problem.
-pub const MAX_SOLES: usize = 32;
 
 /// Which vertices are clamped to the floor.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Default)]
@@ -150,22 +148,8 @@ impl fmt::Display for SoleState {
     }
 }
 
-/// The states of all soles of a robot; entries past its number of soles stay free.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Default)]
-pub struct States(pub [SoleState; MAX_SOLES]);
-
-impl std::ops::Index<usize> for States {
-    type Output = SoleState;
-    fn index(&self, sole: usize) -> &SoleState {
-        &self.0[sole]
-    }
-}
-
-impl std::ops::IndexMut<usize> for States {
-    fn index_mut(&mut self, sole: usize) -> &mut SoleState {
-        &mut self.0[sole]
-    }
-}
+/// The states of all soles of a problem; those not set are free.
+pub type States = PerSole<SoleState>;
 
 #[cfg(test)]
 mod tests {

@@ -23,10 +23,11 @@
 //! [`crate::contact::model::pressure`]: `N_i = max(0, A_i . y)`. Its unknowns are y; the set of
 //! loaded vertices is iterated.
 
+use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::pressure;
 use crate::contact::model::problem::{Level, Problem, SoleProblem};
 use crate::contact::model::solution::{Solution, wrench_at};
-use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
+use crate::contact::model::state::{Mode, Pattern, SoleState, States};
 use crate::contact::search::load_split::LoadSplit;
 use crate::linalg::linear::Linear;
 use nalgebra::{Vector2, Vector3};
@@ -91,9 +92,9 @@ pub struct CandidateSolver {
     x: Vec<f64>,
     linear: Linear,
     /// First unknown of each sole.
-    first: [usize; MAX_SOLES],
+    first: Vec<usize>,
     /// Loaded vertices of each sliding face, one bit each.
-    loaded: [u64; MAX_SOLES],
+    loaded: PerSole<u64>,
     /// Whether all sets of loaded vertices are tried where their iteration fails.
     pub(super) thorough: bool,
     /// Split of loads that several static soles share.
@@ -131,8 +132,8 @@ impl CandidateSolver {
             size: 0,
             x: vec![0.0; n],
             linear: Linear::new(n),
-            first: [0; MAX_SOLES],
-            loaded: [u64::MAX; MAX_SOLES],
+            first: vec![0; p.soles.len()],
+            loaded: PerSole::filled(u64::MAX),
             thorough: true,
             split: LoadSplit::new(p),
         }
@@ -142,8 +143,8 @@ impl CandidateSolver {
     /// Normal forces of sliding soles are filled in; [`share_static`] fills in those of static
     /// soles.
     pub fn solve(&mut self, p: &Problem, states: &States, out: &mut Solution) {
-        self.loaded = [u64::MAX; MAX_SOLES];
-        out.inside = [true; MAX_SOLES];
+        self.loaded.fill(u64::MAX);
+        out.inside.fill(true);
         for round in 0.. {
             self.solve_linear(p, states, out);
             if !self.update_loaded(p, states, out, round >= 12) {
@@ -165,10 +166,10 @@ impl CandidateSolver {
     /// success the last solution is restored.
     fn try_arcs(&mut self, p: &Problem, states: &States, s: usize, out: &mut Solution) {
         let k = p.soles[s].vertices.len();
-        let saved = (self.loaded, out.inside);
+        let saved = (self.loaded.clone(), out.inside.clone());
         for length in (3..k).rev() {
             for first in 0..k {
-                self.loaded = saved.0;
+                self.loaded.clone_from(&saved.0);
                 self.loaded[s] = (0..length).fold(0, |set, i| set | 1 << ((first + i) % k));
                 out.inside[s] = true;
                 self.solve_linear(p, states, out);
@@ -180,8 +181,7 @@ impl CandidateSolver {
                 }
             }
         }
-        self.loaded = saved.0;
-        out.inside = saved.1;
+        (self.loaded, out.inside) = saved;
         self.solve_linear(p, states, out);
         self.update_loaded(p, states, out, true);
     }

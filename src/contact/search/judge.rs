@@ -11,10 +11,11 @@
 //! band is needed: an unclamped touching vertex must not approach beyond rounding.
 
 use crate::contact::model::friction_capacity::{self, Slip};
+use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::{Level, Problem, SoleProblem, TOUCHING, Tolerances};
 use crate::contact::model::sole_group;
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
+use crate::contact::model::state::{Mode, Pattern, SoleState, States};
 use crate::contact::search::candidate::edge_load;
 use crate::contact::search::sliding_directions::Onset;
 use nalgebra::{Vector2, Vector3};
@@ -52,7 +53,7 @@ impl Default for Margin {
 }
 
 /// A judged candidate.
-#[derive(Clone, Copy, PartialEq, Debug, Default)]
+#[derive(Clone, PartialEq, Debug, Default)]
 pub struct Assessment {
     /// Violations by level: geometric, kinematic, friction.
     pub levels: [f64; 3],
@@ -63,7 +64,7 @@ pub struct Assessment {
     /// vertices.
     pub action: f64,
     /// Violations by sole.
-    pub faults: [Faults; MAX_SOLES],
+    pub faults: PerSole<Faults>,
 }
 
 impl Assessment {
@@ -99,7 +100,7 @@ fn compare_clearly(a: f64, b: f64) -> Ordering {
 }
 
 /// Inputs of the judge other than the candidate.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Rules {
     /// The scenario's tolerances.
     pub tolerances: Tolerances,
@@ -107,7 +108,7 @@ pub struct Rules {
     pub previous: States,
     /// Soles whose previous state an event has just brought to the limit of its load: bit 0 normal,
     /// bit 1 friction. Their margin must then be clearly positive for that state to remain.
-    pub suspect: [u8; MAX_SOLES],
+    pub suspect: PerSole<u8>,
     /// Whether an unclamped vertex may leave the floor at up to v_t although it will return. Such
     /// hops are normally stopped to keep bouncing finite; if no valid state stops them they are
     /// physical.
@@ -121,7 +122,7 @@ pub struct Rules {
 impl Rules {
     /// Rules without a suspicion.
     pub fn new(tolerances: Tolerances, previous: States) -> Self {
-        Rules { tolerances, previous, suspect: [0; MAX_SOLES], hops: false, rounding: ROUNDING, exhaustive: true }
+        Rules { tolerances, previous, suspect: PerSole::default(), hops: false, rounding: ROUNDING, exhaustive: true }
     }
 
     /// Suspicions of a sole. Impulses are not the loads that reached their limits.
@@ -266,9 +267,8 @@ pub fn margin(p: &Problem, states: &States, s: usize, solution: &Solution) -> Ma
         return m;
     }
     m.normal = normal_margin(p, state, s, solution);
-    if sole_group::is_shared(p, states, s)
-        && let Some(group) = sole_group::group_margin(p, states, s, solution)
-    {
+    if sole_group::is_shared(p, states, s) {
+        let group = sole_group::group_margin(p, states, s, solution);
         m.friction = group.margin / p.scale;
         m.slip = group.slip(p, s);
         return m;

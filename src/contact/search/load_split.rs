@@ -47,7 +47,7 @@ impl LoadSplit {
 
     /// Sets it from forces of vertices: sole, vertex, force, N.
     pub fn set(&mut self, p: &Problem, states: &States, forces: impl Iterator<Item = (usize, usize, Vector3<f64>)>) {
-        self.states = Some(*states);
+        self.states = Some(states.clone());
         self.wrench.fill(0.0);
         for (s, i, force) in forces {
             let sole = &p.soles[s];

@@ -55,7 +55,7 @@ impl NeighbourScreen {
 
     /// Condenses the problem to sole `s`, with the directions that `states` have left in it.
     pub fn condense(&mut self, solver: &mut CandidateSolver, p: &Problem, states: &States, s: usize) {
-        let mut others = *states;
+        let mut others = states.clone();
         others[s] = SoleState::FREE;
         solver.solve(p, &others, &mut self.out);
         self.sole = s;

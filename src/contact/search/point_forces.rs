@@ -61,8 +61,6 @@ const DIVERGED: f64 = 1e9;
 pub const SLIPS: f64 = 1e-6;
 /// The same as far as the solution is accurate.
 pub const LEAST_SLIPS: f64 = 1e-8;
-/// Most points.
-const MAX_POINTS: usize = 128;
 
 #[derive(Clone, Copy, Debug)]
 struct Point {
@@ -130,15 +128,15 @@ pub struct PointForces {
 impl PointForces {
     /// For problems of this size.
     pub fn new(p: &Problem) -> Self {
-        let n = p.dim();
+        let (n, vertices) = (p.dim(), p.vertex_indices().count());
         PointForces {
-            points: Vec::with_capacity(MAX_POINTS),
+            points: Vec::with_capacity(vertices),
             matrix: vec![0.0; n * n],
             linear: Linear::new(n),
             wrench: vec![0.0; n],
             motion: vec![0.0; n],
             rho: 1.0,
-            acceleration: Anderson::new(3 * p.vertex_indices().count().min(MAX_POINTS)),
+            acceleration: Anderson::new(3 * vertices),
             is_visiting: false,
             iterations: 0,
             residual: 0.0,
@@ -159,7 +157,7 @@ impl PointForces {
     /// or from those of a solution times a factor.
     pub fn begin(&mut self, p: &Problem, touches: impl Fn(usize, usize) -> bool, start: Option<(&Solution, f64)>) {
         self.points.clear();
-        for (s, i) in p.vertex_indices().filter(|&(s, i)| touches(s, i)).take(MAX_POINTS) {
+        for (s, i) in p.vertex_indices().filter(|&(s, i)| touches(s, i)) {
             let v = &p.soles[s].vertices[i];
             let mut free = p.vertex_motion(&p.b, s, i);
             if p.level == Level::Velocity {

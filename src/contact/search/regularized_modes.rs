@@ -9,10 +9,10 @@
 
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
+use crate::contact::model::state::{Mode, Pattern, SoleState, States};
 use crate::contact::search::candidate::CandidateSolver;
 use crate::contact::search::sliding_directions::{
-    DirectionFinder, DirectionSearch, MEANS, SlipPoints, Slips, is_implicit, norm, open_vertices, read_slips,
+    DirectionFinder, DirectionSearch, SlipPoints, Slips, is_implicit, means, norm, open_vertices, read_slips,
     set_directions, slip_point, soles_where, subtract, tangential,
 };
 use nalgebra::Vector3;
@@ -40,35 +40,39 @@ impl DirectionFinder {
         states: &States,
         out: &mut Solution,
     ) -> Option<RegularizedSlips> {
-        let mut all = *states;
+        let mut all = states.clone();
         for s in (0..p.soles.len()).filter(|&s| states[s].pattern != Pattern::Free) {
             all[s] = SoleState::sliding(states[s].pattern);
         }
-        let (which, count) = soles_where(p, |s| is_implicit(p, &all, s));
-        let which = &which[..count];
-        let zero = [Vector3::zeros(); MAX_SOLES];
+        let which = &soles_where(p, |s| is_implicit(p, &all, s))[..];
         if which.is_empty() {
-            return Some(RegularizedSlips { all, slips: zero, at_points: zero, points: MEANS, viscosity: 0.0 });
+            return Some(RegularizedSlips {
+                all,
+                slips: Slips::default(),
+                at_points: Slips::default(),
+                points: means(),
+                viscosity: 0.0,
+            });
         }
-        set_directions(p, &all, which, &MEANS, &zero, 0.0);
+        set_directions(p, &all, which, &means(), &Slips::default(), 0.0);
         solver.solve(p, &all, out);
-        let mut slips = read_slips(p, &all, which, &MEANS, &out.motion, true);
+        let mut slips = read_slips(p, &all, which, &means(), &out.motion, true);
         let drive = norm(which, &slips);
         let mut search =
-            DirectionSearch { finder: self, solver, p, states: &all, which, points: MEANS, drive, viscosity: drive };
+            DirectionSearch { finder: self, solver, p, states: &all, which, points: means(), drive, viscosity: drive };
         let mut reached: Option<RegularizedSlips> = None;
         let mut factor: f64 = PACE;
         while search.viscosity > LEAST * drive {
-            let start = (slips, search.points);
+            let start = (slips.clone(), search.points.clone());
             search.move_points(&mut slips);
             if let Some(found) = search.converge(slips, out) {
                 slips = found;
-                let means = read_slips(search.p, &all, which, &MEANS, &out.motion, true);
+                let at_means = read_slips(search.p, &all, which, &means(), &out.motion, true);
                 reached = Some(RegularizedSlips {
-                    all,
-                    slips: means,
-                    at_points: slips,
-                    points: search.points,
+                    all: all.clone(),
+                    slips: at_means,
+                    at_points: slips.clone(),
+                    points: search.points.clone(),
                     viscosity: search.viscosity,
                 });
                 factor = (factor * factor).max(PACE);
@@ -104,7 +108,7 @@ pub struct RegularizedSlips {
 impl RegularizedSlips {
     /// Modes of the soles; vertices that move at most `threshold` times the viscosity stick.
     pub fn modes(&self, p: &Problem, threshold: f64) -> States {
-        let mut modes = self.all;
+        let mut modes = self.all.clone();
         for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| self.all[*s].pattern != Pattern::Free) {
             let k = sole.vertices.len();
             let centre = slip_point(p, &self.all, s, self.points[s]).0;

@@ -38,24 +38,25 @@ mod proposals;
 
 use crate::contact::model::problem::{Level, Problem, Vertex};
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::{MAX_SOLES, Mode, SoleState, States};
+use crate::contact::model::state::{Mode, SoleState, States};
 use crate::contact::search::candidate::{CandidateSolver, share_static};
 use crate::contact::search::judge::{Assessment, MOST_ROUNDING, Rules, SUSPECT_FRICTION, judge, margin, onset};
 use crate::contact::search::moves::Moves;
 use crate::contact::search::neighbour_screen::NeighbourScreen;
 use crate::contact::search::point_forces::PointForces;
 use crate::contact::search::sliding_directions::{self, DirectionFinder, Onset, Slips};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
+use std::slice;
 use std::sync::atomic::{self, AtomicBool};
 
 /// Candidates tested near the previous states at an event. In a fixed step the contact problem,
 /// solved from the forces of the last step, finds changed states sooner.
 const NEAR: usize = 4;
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Entry {
     states: States,
     assessment: Assessment,
@@ -71,7 +72,7 @@ struct Entry {
 }
 
 /// Outcome of a selection. Wrenches and forces are in the solution passed in.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Selection {
     /// The states chosen.
     pub states: States,
@@ -218,23 +219,23 @@ impl Selector {
     /// Solves and judges one candidate.
     pub fn test(&mut self, p: &mut Problem, states: &States, rules: &Rules, out: &mut Solution) -> Assessment {
         let mut slides = false;
-        if let Some(guess) = self.guess {
-            slides = self.finder.solve(&mut self.solver, p, states, &[guess], &self.onset, out);
+        if let Some(guess) = &self.guess {
+            slides = self.finder.solve(&mut self.solver, p, states, slice::from_ref(guess), &self.onset, out);
         }
         if !slides && (self.finder.thorough || self.guess.is_none()) {
             let hint = self.slip_of_static_load(p, states, out);
             slides = self.finder.solve(&mut self.solver, p, states, &[hint], &self.onset, out);
         }
         share_static(p, states, out);
-        (self.in_place, self.slides) = (Some(*states), slides);
+        (self.in_place, self.slides) = (Some(states.clone()), slides);
         judge(p, states, out, slides, rules)
     }
 
     /// Slips in which the static loads of soles with undetermined sliding directions exceed their
     /// capacity.
     fn slip_of_static_load(&mut self, p: &Problem, states: &States, out: &mut Solution) -> Slips {
-        let mut hint = [Vector3::zeros(); MAX_SOLES];
-        let mut stuck = *states;
+        let mut hint = Slips::default();
+        let mut stuck = states.clone();
         let implicit = |s: &usize| sliding_directions::is_implicit(p, states, *s);
         (0..p.soles.len()).filter(implicit).for_each(|s| stuck[s].mode = Mode::Static);
         if stuck != *states {
@@ -271,7 +272,7 @@ impl Selector {
             Level::Velocity => p.step,
         };
         self.last.copy_from(out);
-        let mut task = Task { p, rules: *rules, allowed, out, tested: 0, most: usize::MAX, cancel };
+        let mut task = Task { p, rules: rules.clone(), allowed, out, tested: 0, most: usize::MAX, cancel };
         let direct = self.order == SearchOrder::Direct;
         let found = direct && self.search_near(&mut task, starts, unchanged);
         if direct
@@ -292,8 +293,8 @@ impl Selector {
         if !found && exhausted {
             // From rest, as in the paper.
             let slides = |states: &&States| (0..task.p.soles.len()).filter(|&s| states[s].is_dynamic()).count();
-            let start = *starts.iter().rev().min_by_key(slides).expect("at least one start");
-            self.search_all(&mut task, &start, unchanged);
+            let start = starts.iter().rev().min_by_key(slides).expect("at least one start");
+            self.search_all(&mut task, start, unchanged);
         }
         let best = self.best();
         // Leave the chosen candidate's solution and directions in place.
@@ -370,13 +371,14 @@ impl Selector {
     fn accept_at_limit(&mut self, task: &mut Task) -> bool {
         let best = self.best();
         self.restore(task, &best);
-        let rules = Rules { rounding: MOST_ROUNDING, ..task.rules };
+        let rules = Rules { rounding: MOST_ROUNDING, ..task.rules.clone() };
         // Its sliding directions are consistent if friction is what more rounding clears.
         let assessment = judge(task.p, &best.states, task.out, best.slides, &rules);
-        if let Some(entry) = self.queue.iter_mut().find(|e| e.states == best.states).filter(|_| assessment.valid()) {
+        let valid = assessment.valid();
+        if let Some(entry) = self.queue.iter_mut().find(|e| e.states == best.states).filter(|_| valid) {
             entry.assessment = assessment;
         }
-        assessment.valid()
+        valid
     }
 
     fn restart(&mut self) {
@@ -390,7 +392,7 @@ impl Selector {
     fn forget(&mut self, states: &States) {
         let count = self.queue.len();
         self.queue.retain(|e| e.states != *states || e.assessment.valid() || (e.guessed && !e.brief));
-        if self.queue.len() < count && self.kept == Some(*states) {
+        if self.queue.len() < count && self.kept.as_ref() == Some(states) {
             self.kept = None;
         }
     }
@@ -410,7 +412,7 @@ impl Selector {
                 .filter(|&i| !self.queue[i].expanded)
                 .min_by(|&a, &b| order(&self.queue[a], &self.queue[b]));
             let Some(best) = best else { break };
-            let entry = self.queue[best];
+            let entry = self.queue[best].clone();
             if self.queue.iter().any(|e| e.expanded && e.assessment.valid() && order(e, &entry).is_le()) {
                 break;
             }
@@ -434,7 +436,7 @@ impl Selector {
                     if task.is_ended() || task.tested >= limit && !self.is_found() {
                         return;
                     }
-                    let mut next = entry.states;
+                    let mut next = entry.states.clone();
                     next[s] = state;
                     if completing {
                         self.complete(task, &next);
@@ -447,7 +449,7 @@ impl Selector {
                 let clamped = |t: usize| entry.states[t] != SoleState::FREE;
                 let group = |t: &usize| task.p.soles[*t].body == body;
                 if faults.friction && !completing && (0..soles).filter(group).any(|t| t != s && clamped(t)) {
-                    let mut next = entry.states;
+                    let mut next = entry.states.clone();
                     let mode = if entry.states[s].is_static() { Mode::Sliding } else { Mode::Static };
                     for t in (0..soles).filter(group).filter(|&t| clamped(t)) {
                         next[t].mode = mode;
@@ -462,17 +464,17 @@ impl Selector {
 
     /// Leaves the sliding directions and the solution of a tested candidate in place.
     fn restore(&mut self, task: &mut Task, entry: &Entry) {
-        if self.in_place == Some(entry.states) {
+        if self.in_place.as_ref() == Some(&entry.states) {
             return;
         }
-        if self.kept == Some(entry.states) {
+        if self.kept.as_ref() == Some(&entry.states) {
             let vertices = task.p.soles.iter_mut().flat_map(|sole| &mut sole.vertices);
             vertices.zip(&self.kept_directions).for_each(|(v, d)| v.direction = *d);
             task.out.copy_from(&self.kept_solution);
-            self.in_place = self.kept;
+            self.in_place.clone_from(&self.kept);
             return;
         }
-        self.guess = Some(entry.slips);
+        self.guess = Some(entry.slips.clone());
         self.test(task.p, &entry.states, &task.rules, task.out);
         self.guess = None;
     }
@@ -483,11 +485,11 @@ impl Selector {
         self.kept_directions.clear();
         self.kept_directions.extend(vertices.map(|v| v.direction));
         self.kept_solution.copy_from(task.out);
-        self.kept = Some(*states);
+        self.kept = Some(states.clone());
     }
 
     fn best(&self) -> Entry {
-        *self.queue.iter().min_by(|a, b| order(a, b)).expect("the start was pushed")
+        self.queue.iter().min_by(|a, b| order(a, b)).expect("the start was pushed").clone()
     }
 
     fn push(&mut self, task: &mut Task, states: &States) {
@@ -498,7 +500,7 @@ impl Selector {
         task.tested += 1;
         let slips = sliding_directions::slips(task.p, states, &task.out.motion);
         let entry = Entry {
-            states: *states,
+            states: states.clone(),
             assessment,
             slips,
             slides: self.slides,

@@ -14,9 +14,10 @@
 //! A single open direction is an angle, found by a scan over all angles.
 //! [`crate::contact::search::regularized_modes`] finds which vertices stick and which slip.
 
+use crate::contact::model::per_sole::{PerSole, SoleIndices};
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::{Solution, wrench_at};
-use crate::contact::model::state::{MAX_SOLES, Mode, States};
+use crate::contact::model::state::{Mode, States};
 use crate::contact::search::candidate::CandidateSolver;
 use crate::linalg::linear::Linear;
 use crate::math;
@@ -24,7 +25,7 @@ use nalgebra::{Vector2, Vector3};
 
 /// Tangential motions of all soles: that of the mean of the clamped vertices, and the yaw motion
 /// times the radius.
-pub type Slips = [Vector3<f64>; MAX_SOLES];
+pub type Slips = PerSole<Vector3<f64>>;
 
 /// Slip, relative to the frictionless motion, up to which a load at its limit counts as not yet
 /// accelerating: the error of event location.
@@ -75,6 +76,8 @@ impl Onset {
 pub struct DirectionFinder {
     linear: Linear,
     jacobian: Vec<f64>,
+    /// Newton step, 3F.
+    step: Vec<f64>,
     motion: Vec<f64>,
     /// Whether to try more than the first guesses, and for long.
     pub(super) thorough: bool,
@@ -87,6 +90,7 @@ impl DirectionFinder {
         DirectionFinder {
             linear: Linear::new(n),
             jacobian: vec![0.0; n * n],
+            step: vec![0.0; n],
             motion: vec![0.0; p.dim()],
             thorough: true,
         }
@@ -124,7 +128,7 @@ impl DirectionFinder {
         onset: &[Onset],
         out: &mut Solution,
     ) -> bool {
-        let mut starting = [0u64; MAX_SOLES];
+        let mut starting = PerSole::<u64>::default();
         for s in (0..p.soles.len()).filter(|&s| is_implicit(p, states, s)) {
             starting[s] = open_vertices(p, states, s).fold(0, |set, i| set | 1 << i) & onset[s].vertices;
         }
@@ -138,8 +142,8 @@ impl DirectionFinder {
         let drive =
             (0..p.soles.len()).map(|s| Vector3::from_column_slice(&p.b[6 * s..6 * s + 3]).norm()).fold(0.0, f64::max);
         let mut still = true;
-        for (s, starting) in starting.iter().enumerate().take(p.soles.len()) {
-            for i in (0..p.soles[s].vertices.len()).filter(|i| starting >> i & 1 == 1) {
+        for s in 0..p.soles.len() {
+            for i in (0..p.soles[s].vertices.len()).filter(|i| starting[s] >> i & 1 == 1) {
                 still &= p.vertex_motion(&out.motion, s, i).xy().norm() <= ONSET_SLIP * drive;
                 p.soles[s].vertices[i].moving = false;
             }
@@ -156,15 +160,13 @@ impl DirectionFinder {
         hints: &[Slips],
         out: &mut Solution,
     ) -> bool {
-        let (which, count) = soles_where(p, |s| is_implicit(p, states, s));
-        let which = &which[..count];
+        let which = &soles_where(p, |s| is_implicit(p, states, s))[..];
         if which.is_empty() {
             solver.solve(p, states, out);
             return true;
         }
         // The motion without friction on these vertices is the drive, and a first guess.
-        let zero = [Vector3::zeros(); MAX_SOLES];
-        set_directions(p, states, which, &MEANS, &zero, 0.0);
+        set_directions(p, states, which, &means(), &Slips::default(), 0.0);
         solver.solve(p, states, out);
         let points = slip_points(p, states, which);
         let drive = read_slips(p, states, which, &points, &out.motion, true);
@@ -174,7 +176,7 @@ impl DirectionFinder {
             p,
             states,
             which,
-            points,
+            points: points.clone(),
             drive: norm(which, &drive),
             viscosity: 0.0,
         };
@@ -200,7 +202,7 @@ impl DirectionFinder {
                 let radius = search.p.soles[s].radius;
                 let r = search.p.soles[s].vertices[j as usize].r - slip_point(search.p, states, s, None).0;
                 for turn in [1.0, -1.0] {
-                    let mut guess = zero;
+                    let mut guess = Slips::default();
                     guess[s] = Vector3::new(r.y * turn, -r.x * turn, turn * radius);
                     let guess = shift_slips(search.p, states, which, &points, &guess);
                     if search.iterate(guess, rounds, out) {
@@ -231,14 +233,9 @@ fn only_open_vertex(p: &Problem, states: &States, s: usize) -> Option<usize> {
     open.next().filter(|_| open.next().is_none())
 }
 
-/// The soles for which `condition` holds, and their number.
-pub(super) fn soles_where(p: &Problem, condition: impl Fn(usize) -> bool) -> ([usize; MAX_SOLES], usize) {
-    let (mut which, mut count) = ([0; MAX_SOLES], 0);
-    for s in (0..p.soles.len()).filter(|&s| condition(s)) {
-        which[count] = s;
-        count += 1;
-    }
-    (which, count)
+/// The soles for which `condition` holds.
+pub(super) fn soles_where(p: &Problem, condition: impl Fn(usize) -> bool) -> SoleIndices {
+    (0..p.soles.len()).filter(|&s| condition(s)).collect()
 }
 
 /// Search for the directions of one candidate.
@@ -270,7 +267,7 @@ impl DirectionSearch<'_> {
     fn scan_angles(&mut self, s: usize, i: usize, out: &mut Solution) -> bool {
         const STEPS: usize = 48;
         let mut across = |search: &mut Self, angle: f64| {
-            let mut slips = [Vector3::zeros(); MAX_SOLES];
+            let mut slips = Slips::default();
             slips[s] = Vector3::new(math::cos(angle), math::sin(angle), 0.0);
             let image = search.evaluate(&slips, out);
             let (centre, sole) = (slip_point(search.p, search.states, s, search.points[s]).0, &search.p.soles[s]);
@@ -341,7 +338,7 @@ impl DirectionSearch<'_> {
         let size = norm(self.which, &subtract(self.which, slips, image));
         let mut t = 1.0;
         while t > 1e-3 {
-            let mut trial = *slips;
+            let mut trial = slips.clone();
             self.which.iter().for_each(|&s| trial[s] -= step[s] * t);
             let trial_image = self.evaluate(&trial, out);
             let target = if share < 1.0 { share } else { 1.0 - 1e-4 * t };
@@ -406,12 +403,12 @@ impl DirectionSearch<'_> {
                 }
             }
         }
-        let mut b = [0.0; 3 * MAX_SOLES];
+        let b = &mut self.finder.step[..n];
         for (r, &t) in self.which.iter().enumerate() {
             (0..3).for_each(|row| b[3 * r + row] = residual[t][row]);
         }
-        self.finder.linear.solve(a, &mut b[..n]);
-        let mut step = [Vector3::zeros(); MAX_SOLES];
+        self.finder.linear.solve(a, b);
+        let mut step = Slips::default();
         for (r, &s) in self.which.iter().enumerate() {
             step[s] = Vector3::new(b[3 * r], b[3 * r + 1], b[3 * r + 2]);
         }
@@ -424,7 +421,7 @@ pub(super) fn norm(which: &[usize], s: &Slips) -> f64 {
 }
 
 pub(super) fn subtract(which: &[usize], a: &Slips, b: &Slips) -> Slips {
-    let mut d = [Vector3::zeros(); MAX_SOLES];
+    let mut d = Slips::default();
     which.iter().for_each(|&s| d[s] = a[s] - b[s]);
     d
 }
@@ -435,21 +432,23 @@ pub(super) fn subtract(which: &[usize], a: &Slips, b: &Slips) -> Slips {
 /// Motions of other points contain rotations that the pattern leaves free and that no friction
 /// opposes. A vertex that hardly moves while its sole turns must be the point itself; otherwise
 /// rounding of the others' motion hides its own.
-pub type SlipPoints = [Option<u8>; MAX_SOLES];
+pub type SlipPoints = PerSole<Option<u8>>;
 
 /// The mean of the clamped vertices for every sole.
-pub(super) const MEANS: SlipPoints = [None; MAX_SOLES];
+pub(super) fn means() -> SlipPoints {
+    SlipPoints::default()
+}
 
 /// Slip points of a candidate: the only vertex with an undetermined direction, or the mean.
 fn slip_points(p: &Problem, states: &States, which: &[usize]) -> SlipPoints {
-    let mut points = MEANS;
+    let mut points = means();
     which.iter().for_each(|&s| points[s] = only_open_vertex(p, states, s).map(|i| i as u8));
     points
 }
 
 /// Converts slips measured at the means to slips at `points`.
 fn shift_slips(p: &Problem, states: &States, which: &[usize], points: &SlipPoints, slips: &Slips) -> Slips {
-    let mut moved = *slips;
+    let mut moved = slips.clone();
     for &s in which.iter().filter(|&&s| slips[s] != Vector3::zeros()) {
         let (from, to) = (slip_point(p, states, s, None), slip_point(p, states, s, points[s]));
         let t = tangential(&slips[s], &to.0, &from.0, p.soles[s].radius) + (to.1 - from.1).xy();
@@ -483,13 +482,13 @@ pub(super) fn tangential(slip: &Vector3<f64>, r: &Vector3<f64>, centre: &Vector3
 
 /// Slips of the sliding soles under the sole motions `motion` (6F).
 pub fn slips(p: &Problem, states: &States, motion: &[f64]) -> Slips {
-    let (which, count) = soles_where(p, |s| states[s].is_dynamic());
-    read_slips(p, states, &which[..count], &MEANS, motion, true)
+    let which = soles_where(p, |s| states[s].is_dynamic());
+    read_slips(p, states, &which, &means(), motion, true)
 }
 
 /// Slips of the sliding soles with the present velocities of their vertices.
 pub fn slips_of_velocities(p: &Problem, states: &States) -> Slips {
-    let mut slips = [Vector3::zeros(); MAX_SOLES];
+    let mut slips = Slips::default();
     for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| states[*s].is_dynamic()) {
         let k = sole.vertices.len();
         let centre = slip_point(p, states, s, None).0;
@@ -517,7 +516,7 @@ pub(super) fn read_slips(
     motion: &[f64],
     whole: bool,
 ) -> Slips {
-    let mut slips = [Vector3::zeros(); MAX_SOLES];
+    let mut slips = Slips::default();
     for &s in which {
         let sole = &p.soles[s];
         let m = &motion[6 * s..6 * s + 6];

@@ -2,9 +2,10 @@
 
 use crate::contact::methods::contact_method::SelectionInput;
 use crate::contact::methods::registry::MethodDescriptor;
+use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::{Level, Problem, SoleProblem, Tolerances, Vertex};
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::{MAX_SOLES, SoleState, States};
+use crate::contact::model::state::{SoleState, States};
 use crate::contact::search::judge::{Rules, SUSPECT_FRICTION, SUSPECT_NORMAL};
 use crate::contact::selection_record::{
     LevelName, SelectionRecord, SelectionRecordError, SelectionResult, SoleRecord, VertexRecord, state_named,
@@ -23,10 +24,6 @@ impl SelectionRecord {
         };
         length("W", self.w.len(), n * n)?;
         length("b", self.b.len(), n)?;
-        if self.soles.len() > MAX_SOLES {
-            let message = format!("the record has {} soles, at most {MAX_SOLES} are supported", self.soles.len());
-            return Err(SelectionRecordError::Size(message));
-        }
         if let Some(s) = self.soles.iter().find(|s| s.vertices.is_empty() || s.vertices.len() > 64) {
             let message = format!("sole `{}` has {} vertices, 1 to 64 are supported", s.name, s.vertices.len());
             return Err(SelectionRecordError::Size(message));
@@ -64,7 +61,7 @@ impl SelectionRecord {
             rest: t.rest_m_per_s,
         };
         let mut rules = Rules { exhaustive: self.exhaustive, ..Rules::new(tolerances, States::default()) };
-        for (s, sole) in self.soles.iter().enumerate().take(MAX_SOLES) {
+        for (s, sole) in self.soles.iter().enumerate() {
             rules.previous[s] = sole.state(&sole.previous)?;
             rules.suspect[s] = if sole.suspect_normal { SUSPECT_NORMAL } else { 0 }
                 | if sole.suspect_friction { SUSPECT_FRICTION } else { 0 };
@@ -76,10 +73,10 @@ impl SelectionRecord {
     ///
     /// # Errors
     /// Names of unknown states.
-    pub fn forced(&self) -> Result<[Option<SoleState>; MAX_SOLES], SelectionRecordError> {
-        let mut forced = [None; MAX_SOLES];
-        for (sole, forced) in self.soles.iter().zip(&mut forced) {
-            *forced = sole.forced.as_ref().map(|name| sole.state(name)).transpose()?;
+    pub fn forced(&self) -> Result<PerSole<Option<SoleState>>, SelectionRecordError> {
+        let mut forced = PerSole::default();
+        for (s, sole) in self.soles.iter().enumerate() {
+            forced[s] = sole.forced.as_ref().map(|name| sole.state(name)).transpose()?;
         }
         Ok(forced)
     }

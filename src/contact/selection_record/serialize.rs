@@ -2,6 +2,7 @@
 
 use crate::contact::methods::contact_method::SelectionInput;
 use crate::contact::methods::registry::MethodParameters;
+use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::{Level, Problem, SoleProblem, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::SoleState;
@@ -31,7 +32,7 @@ impl SelectionRecord {
         (method, parameters): (&str, &MethodParameters),
         p: &Problem,
         input: &SelectionInput,
-        forced: &[Option<SoleState>],
+        forced: &PerSole<Option<SoleState>>,
         last: &Solution,
     ) -> Self {
         let (rules, tol) = (input.rules, &input.rules.tolerances);

@@ -3,7 +3,7 @@
 use super::link_contacts::LinkContacts;
 use super::pair_contacts::PairContacts;
 use crate::contact::hybrid::events::{ContactGaps, ContactInForce, EventFunctions, FrictionBorders, sinks};
-use crate::contact::model::state::MAX_SOLES;
+use crate::contact::model::per_sole::PerSole;
 use crate::sim::bodies::PairPatch;
 use crate::sim::plant::Plant;
 use crate::sim::run::RunState;
@@ -104,7 +104,7 @@ impl StepEventFunctions {
     }
 
     /// See [`EventFunctions::suspects`].
-    pub fn suspects(&self, values: &[f64], suspect: &mut [u8; MAX_SOLES]) {
+    pub fn suspects(&self, values: &[f64], suspect: &mut PerSole<u8>) {
         self.0.suspects(values, suspect);
     }
 

@@ -4,7 +4,8 @@
 //! violations do not count as inconsistent. The residuals show them: friction beyond its capacity,
 //! penetration, tension.
 
-use crate::contact::model::state::{MAX_SOLES, SoleState};
+use crate::contact::model::per_sole::PerSole;
+use crate::contact::model::state::SoleState;
 use crate::contact::search::judge::{Assessment, Faults};
 use crate::sim::event_kind::EventKind;
 use crate::sim::report::Observer;
@@ -13,8 +14,8 @@ use crate::sim::run_error::RunError;
 
 impl RunState {
     /// Imposed states at time `t`.
-    pub(in crate::sim) fn forced(&self, t: f64) -> [Option<SoleState>; MAX_SOLES] {
-        let mut forced = [None; MAX_SOLES];
+    pub(in crate::sim) fn forced(&self, t: f64) -> PerSole<Option<SoleState>> {
+        let mut forced = PerSole::default();
         for f in self.contact.forced.iter().filter(|f| f.from <= t && t < f.to) {
             forced[f.sole] = Some(f.state);
         }
@@ -23,13 +24,14 @@ impl RunState {
 
     /// Is the state of sole `s` imposed at the present time?
     pub(in crate::sim) fn is_imposed(&self, s: usize) -> bool {
-        self.forced(self.plant.state.time)[s].is_some()
+        let t = self.plant.state.time;
+        self.contact.forced.iter().any(|f| f.sole == s && f.from <= t && t < f.to)
     }
 
     /// Do all faults of a assessment belong to soles with imposed states?
     pub(in crate::sim) fn all_imposed(&self, assessment: &Assessment) -> bool {
         let forced = self.forced(self.plant.state.time);
-        forced.iter().zip(&assessment.faults).all(|(forced, faults)| forced.is_some() || *faults == Faults::default())
+        (0..self.plant.problem.soles.len()).all(|s| forced[s].is_some() || assessment.faults[s] == Faults::default())
     }
 
     /// Reports the states that are imposed from now on, and those no longer imposed.

@@ -87,7 +87,7 @@ impl RunState {
     /// Ends sliding whose contact force grows without bound, after the step size has collapsed.
     /// Returns false if that is not the cause. Needs a free evaluation.
     pub(in crate::sim) fn resolve_unbounded_force(&mut self, observer: &mut dyn Observer) -> Result<bool, RunError> {
-        let states = self.plant.states;
+        let states = self.plant.states.clone();
         let Some(load) = self.least_sliding_load(&states).filter(SlidingLoad::is_at_limit) else { return Ok(false) };
         let (s, i) = load.at;
         let start = self.plant.velocities();
@@ -126,7 +126,7 @@ impl RunState {
         self.report_jam(&load, &result, observer)?;
         if leaves {
             // Near the singular point sliding with a great load is valid too, and would be found again.
-            let mut states = self.plant.states;
+            let mut states = self.plant.states.clone();
             states[s] = without(states[s], i, self.plant.problem.soles[s].vertices.len());
             self.adopt(states, observer)?;
         }
@@ -143,7 +143,7 @@ impl RunState {
 
     /// The load of sliding vertices that drives them into the floor; none if there is none.
     fn jamming_load(&mut self) -> Option<SlidingLoad> {
-        let mut states = self.plant.states;
+        let mut states = self.plant.states.clone();
         if let Some(load) = self.least_sliding_load(&states).filter(SlidingLoad::drives_into_floor) {
             return Some(load);
         }
@@ -189,7 +189,7 @@ impl RunState {
         let falls = |sim: &mut Self, size: f64| {
             sim.plant.apply_impulses(&scaled(&load.wrench, size));
             sim.plant.evaluate_free();
-            let states = sim.plant.states;
+            let states = sim.plant.states.clone();
             let found = ((slip(sim) - before).norm(), sim.least_sliding_load(&states));
             sim.plant.set_velocities(&start);
             sim.plant.evaluate_free();

@@ -6,15 +6,13 @@ use super::drift_projection::anchor_vertex;
 use super::link_contacts::LinkPolygon;
 use crate::contact::model::problem::{Problem, Vertex};
 use crate::contact::model::solution::{Solution, wrench_at};
-use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
+use crate::contact::model::state::{Mode, Pattern, SoleState};
 use crate::dynamics::Reduced;
 use crate::robot::Sole;
 use crate::sim::bodies::PairPatch;
 use crate::sim::floor::VertexRegion;
 use crate::sim::plant::Polygon;
-use crate::sim::report::Outcome;
 use crate::sim::run::RunState;
-use crate::sim::run_error::RunError;
 use nalgebra::{Vector2, Vector3};
 
 /// For each polygon the former polygon in its place, and for each vertex its former index.
@@ -43,12 +41,9 @@ impl RunState {
     /// Updates the polygons to the plant's present state, before a choice of states or a step of size
     /// `step` without located events. Returns whether they have changed; the plant must then be evaluated
     /// again.
-    ///
-    /// # Errors
-    /// More bodies touch than there may be polygons.
-    pub(in crate::sim) fn update_polygons(&mut self, step: Option<f64>) -> Result<bool, RunError> {
+    pub(in crate::sim) fn update_polygons(&mut self, step: Option<f64>) -> bool {
         if self.links.is_none() && self.pairs.is_empty() {
-            return Ok(false);
+            return false;
         }
         self.plant.update_kinematics();
         self.pairs.update_terrain(&mut self.plant);
@@ -59,12 +54,9 @@ impl RunState {
     }
 
     /// Updates the planes of patches to the states in force. Returns whether polygons have changed.
-    ///
-    /// # Errors
-    /// As [`update_polygons`](Self::update_polygons).
-    pub(in crate::sim) fn follow_states(&mut self) -> Result<bool, RunError> {
+    pub(in crate::sim) fn follow_states(&mut self) -> bool {
         if self.pairs.is_empty() {
-            return Ok(false);
+            return false;
         }
         let pairs = self.pairs.follow_states(&self.plant);
         self.set_polygons(None, pairs)
@@ -72,28 +64,22 @@ impl RunState {
 
     /// Turns the polygons on ends of cylinders towards loads on their sides. Returns whether it has; the states must
     /// then be chosen again.
-    ///
-    /// # Errors
-    /// As [`update_polygons`](Self::update_polygons).
-    pub(in crate::sim) fn turn_rings(&mut self) -> Result<bool, RunError> {
+    pub(in crate::sim) fn turn_rings(&mut self) -> bool {
         if self.pairs.is_empty() {
-            return Ok(false);
+            return false;
         }
         let pairs = self.pairs.turn_rings(&self.plant);
         self.set_polygons(None, pairs)
     }
 
     /// Replaces the polygons of links, or those of pairs, or both. Returns whether it has.
-    ///
-    /// # Errors
-    /// See [`update_polygons`](Self::update_polygons).
     pub(in crate::sim) fn set_polygons(
         &mut self,
         links: Option<Vec<LinkPolygon>>,
         pairs: Option<Vec<PairPatch>>,
-    ) -> Result<bool, RunError> {
+    ) -> bool {
         if links.is_none() && pairs.is_none() {
-            return Ok(false);
+            return false;
         }
         let plant = &self.plant;
         let soles = plant.model.soles.len();
@@ -127,17 +113,8 @@ impl RunState {
             }));
             polygons.push(Polygon::Pair(patch));
         }
-        if polygons.len() > MAX_SOLES {
-            let message = format!(
-                "{} contacts of bodies at {:.6} s; with {soles} soles at most {} are supported",
-                polygons.len() - soles,
-                plant.state.time,
-                MAX_SOLES - soles
-            );
-            return Err(RunError::new(Outcome::Error, message));
-        }
         self.replace_polygons(polygons, &Origins(origins));
-        Ok(true)
+        true
     }
 
     /// Replaces the plant's polygons and all that belongs to them.
@@ -156,10 +133,8 @@ impl RunState {
         let before = std::mem::replace(&mut plant.solution, Solution::new(problem));
         plant.solution.normal = origins.carry(&sizes, &before.normal, 0.0);
         plant.solution.tangent = origins.carry(&sizes, &before.tangent, Vector2::zeros());
-        let states = plant.states;
-        plant.states = States::default();
-        let (fast, suspect) = (plant.fast_slips, self.suspect);
-        (plant.fast_slips, self.suspect) = ([0; MAX_SOLES], [0; MAX_SOLES]);
+        let states = std::mem::take(&mut plant.states);
+        let (fast, suspect) = (std::mem::take(&mut plant.fast_slips), std::mem::take(&mut self.suspect));
         for (s, &k) in sizes.iter().enumerate() {
             let Some(former) = origins.of(s) else { continue };
             plant.states[s] = carried_state(origins, s, k, states[former], old.soles[former].vertices.len());
@@ -190,8 +165,8 @@ impl RunState {
             (0..k).filter(|i| fresh(*i)).for_each(|i| anchor_vertex(self, s, i));
             self.carry_wrench(s, k, origins, &before);
         }
-        self.residuals.replace_polygons(|s| origins.of(s));
-        self.milestones.replace_polygons(&self.plant.states, |s| origins.of(s));
+        self.residuals.replace_polygons(sizes.len(), |s| origins.of(s));
+        self.milestones.replace_polygons(sizes.len(), &self.plant.states, |s| origins.of(s));
         self.recorded_problem = None;
     }
 

@@ -1,7 +1,8 @@
 //! Reports each contact problem and its solution to the observer.
 
 use crate::contact::methods::contact_method::SelectionInput;
-use crate::contact::model::state::{MAX_SOLES, SoleState};
+use crate::contact::model::per_sole::PerSole;
+use crate::contact::model::state::SoleState;
 use crate::contact::search::select::Selection;
 use crate::contact::selection_record::SelectionRecord;
 use crate::sim::event_kind::EventKind;
@@ -15,7 +16,7 @@ impl RunState {
         &mut self,
         observer: &dyn Observer,
         input: &SelectionInput,
-        forced: &[Option<SoleState>; MAX_SOLES],
+        forced: &PerSole<Option<SoleState>>,
     ) {
         self.recorded_problem = (observer.problems() != Problems::None).then(|| {
             let (time, plant) = (self.plant.state.time, &self.plant);

@@ -6,7 +6,7 @@ use crate::contact::hybrid::impact;
 use crate::contact::methods::contact_method::SelectionInput;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::{MAX_SOLES, Pattern, SoleState, States};
+use crate::contact::model::state::{Pattern, SoleState, States};
 use crate::contact::search::judge::Rules;
 use crate::contact::search::select::Selection;
 use crate::sim::event_kind::EventKind;
@@ -43,7 +43,7 @@ impl RunState {
     /// Chooses the contact states at the plant's present state, with impacts where vertices hit the
     /// floor, and leaves the plant evaluated.
     pub(in crate::sim) fn choose_states(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
-        self.update_polygons(None)?;
+        self.update_polygons(None);
         if self.plant.is_compliant() {
             self.plant.evaluate();
             return self.read_compliant_states(observer);
@@ -57,7 +57,7 @@ impl RunState {
         self.choose_in_rounds(observer)?;
         // The load moves along with the ring.
         for _ in 0..TURNS {
-            if !self.turn_rings()? {
+            if !self.turn_rings() {
                 break;
             }
             self.plant.evaluate_free();
@@ -129,8 +129,8 @@ impl RunState {
                 self.deferral = Deferral::Due;
             }
         }
-        self.suspect = [0; MAX_SOLES];
-        self.follow_states()?;
+        self.suspect.fill(0);
+        self.follow_states();
         self.plant.evaluate();
         Ok(())
     }
@@ -170,7 +170,7 @@ impl RunState {
 
     /// Rules of the selection.
     pub(in crate::sim) fn rules(&self) -> Rules {
-        Rules { suspect: self.suspect, ..Rules::new(self.tolerances, self.plant.states) }
+        Rules { suspect: self.suspect.clone(), ..Rules::new(self.tolerances, self.plant.states.clone()) }
     }
 
     /// Selects states at the acceleration level, from all of them as a last resort if `exhaustive`.

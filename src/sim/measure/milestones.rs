@@ -6,7 +6,7 @@
 //! balance       the weight's line of action meets the floor at the centre of pressure
 //! ```
 
-use crate::contact::model::state::{MAX_SOLES, SoleState, States};
+use crate::contact::model::state::{SoleState, States};
 use crate::dynamics::body;
 use crate::sim::plant::Plant;
 use crate::sim::report::{Metrics, Snapshot};
@@ -47,15 +47,17 @@ impl Milestones {
     /// `restored`.
     pub fn restart(&mut self, restored: bool) {
         self.flight = None;
-        self.states = self.states.filter(|_| !restored);
+        if restored {
+            self.states = None;
+        }
     }
 
-    /// Continues with other polygons, which have these states; `former` gives the former index of each that
-    /// was there before.
-    pub fn replace_polygons(&mut self, states: &States, former: impl Fn(usize) -> Option<usize>) {
+    /// Continues with other polygons, `number` in all, which have these states; `former` gives the former
+    /// index of each that was there before.
+    pub fn replace_polygons(&mut self, number: usize, states: &States, former: impl Fn(usize) -> Option<usize>) {
         let Some(before) = &mut self.states else { return };
-        let old = std::mem::replace(before, *states);
-        for s in 0..MAX_SOLES {
+        let old = std::mem::replace(before, states.clone());
+        for s in 0..number {
             if let Some(former) = former(s) {
                 before[s] = old[former];
             }
@@ -65,13 +67,14 @@ impl Milestones {
     /// Evaluates the end of a step. Needs kinematics at the plant's state.
     pub fn record_step(&mut self, plant: &Plant, m: &mut Metrics) {
         let soles = plant.problem.soles.len();
-        let (states, t) = (plant.states, plant.state.time);
-        if let Some(before) = self.states.replace(states) {
+        let (states, t) = (&plant.states, plant.state.time);
+        if let Some(before) = &self.states {
             let tips = |s: usize| states[s] != SoleState::FREE && states[s].normal_rows() < before[s].normal_rows();
-            if (0..soles.min(MAX_SOLES)).any(tips) {
+            if (0..soles).any(tips) {
                 m.first_tip_s.get_or_insert(t);
             }
         }
+        self.states.get_or_insert_default().clone_from(states);
         if (0..soles).any(|s| states[s] != SoleState::FREE) {
             self.flight = None;
             return;

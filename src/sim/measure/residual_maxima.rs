@@ -6,8 +6,8 @@
 //! `rms = sqrt(sum r_i^2 dt_i / sum dt_i)`.
 
 use super::energy_balance::EnergyBalance;
+use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::residual::RESIDUALS;
-use crate::contact::model::state::MAX_SOLES;
 use crate::sim::plant::Plant;
 use crate::sim::report::Metrics;
 
@@ -62,7 +62,7 @@ impl Loading {
 pub struct ResidualMaxima {
     residuals: [RunningError; RESIDUALS],
     energy: RunningError,
-    contact: [Loading; MAX_SOLES],
+    contact: PerSole<Loading>,
     flickers: u64,
     lift: f64,
     /// Times up to which residuals and energy have been recorded, s.
@@ -93,11 +93,14 @@ impl ResidualMaxima {
         }
     }
 
-    /// Continues with other polygons; `former` gives the former index of each that was there before.
-    pub fn replace_polygons(&mut self, former: impl Fn(usize) -> Option<usize>) {
+    /// Continues with other polygons, `number` in all; `former` gives the former index of each that was
+    /// there before.
+    pub fn replace_polygons(&mut self, number: usize, former: impl Fn(usize) -> Option<usize>) {
         let before = std::mem::take(&mut self.contact);
-        for (s, contact) in self.contact.iter_mut().enumerate() {
-            *contact = former(s).map_or(Loading::default(), |former| before[former]);
+        for s in 0..number {
+            if let Some(former) = former(s) {
+                self.contact[s] = before[former];
+            }
         }
     }
 

@@ -119,7 +119,7 @@ impl Sampler {
         sample.forces.clear();
         sample.forces.extend(wrenches.map(|w| floor * Vector3::new(w[0], w[1], w[2])));
         sample.states.clear();
-        sample.states.extend_from_slice(&plant.states.0[..soles]);
+        sample.states.extend((0..soles).map(|s| plant.states[s]));
         let emitted = observer.sample(sample).map_err(RunError::internal);
         sample.index += 1;
         emitted

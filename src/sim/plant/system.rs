@@ -15,10 +15,11 @@ use super::polygon::Polygon;
 use super::sole_impulses::SoleImpulses;
 use super::state_layout::StateLayout;
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, StoredEnergy};
+use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::residual::{self, Residual};
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::{MAX_SOLES, States};
+use crate::contact::model::state::States;
 use crate::contact::search::candidate::share_static;
 use crate::dynamics::reduced::ContactFrame;
 use crate::dynamics::{DynamicsError, State, Workspace, crba, kinematics, reduced, rnea};
@@ -124,7 +125,7 @@ pub struct Plant {
     pub directions: Vec<Vec<Vector2<f64>>>,
     /// Vertices of each sole, as bits, that have been faster than its `direction_speed` since they
     /// began to slide.
-    pub fast_slips: [u64; MAX_SOLES],
+    pub fast_slips: PerSole<u64>,
     /// Friction region of each vertex, by sole and vertex; held while a step is integrated.
     pub(in crate::sim) regions: Vec<Vec<VertexRegion>>,
     /// Speed below which a sliding vertex is at rest, m/s.
@@ -202,7 +203,7 @@ impl Plant {
             method,
             problem,
             directions,
-            fast_slips: [0; MAX_SOLES],
+            fast_slips: PerSole::default(),
             regions: model.soles.iter().map(|s| vec![VertexRegion::default(); s.vertices.len()]).collect(),
             rest: setup.rest,
             step_error: setup.step_error,

@@ -56,7 +56,7 @@ impl RunState {
 
     /// Applies the impulse of the floor after a jump of the velocities, at the same instant.
     fn floor_impulse(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
-        let touches = self.plant.states.0.iter().any(|s| *s != SoleState::FREE);
+        let touches = (0..self.plant.problem.soles.len()).any(|s| self.plant.states[s] != SoleState::FREE);
         // Springs respond in time; a velocity-level step contains the impulses of its instant.
         if !touches || self.plant.is_compliant() || self.velocity_level {
             return Ok(());

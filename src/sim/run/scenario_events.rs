@@ -30,8 +30,8 @@ impl RunState {
         if let Some(slot) = event.restore {
             let (links, pairs) = self.saved[slot].polygons();
             // Patches that remain would keep their present anchors.
-            self.set_polygons(links, Some(Vec::new()))?;
-            self.set_polygons(None, Some(pairs))?;
+            self.set_polygons(links, Some(Vec::new()));
+            self.set_polygons(None, Some(pairs));
             self.saved[slot].restore(&mut self.plant, &mut self.anchors, &mut self.suspect);
             self.sensors.restart();
             self.estimator.restart();

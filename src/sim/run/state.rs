@@ -3,9 +3,9 @@
 //! Steppers and contact states work on this; [`Simulation`](crate::sim::Simulation) owns it
 //! together with a stepper.
 
+use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::Tolerances;
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::MAX_SOLES;
 use crate::contact::selection_record::SelectionRecord;
 use crate::sim::carried_object::CarriedObjects;
 use crate::sim::command_source::CommandSource;
@@ -77,7 +77,7 @@ pub struct RunState {
     /// Whether a choice of states may be left to velocity-level steps.
     pub deferral: Deferral,
     /// Soles that the last event brought to the limit of their load.
-    pub suspect: [u8; MAX_SOLES],
+    pub suspect: PerSole<u8>,
     /// Positions of the vertices of each clamped sole when it was clamped, relative to the floor
     /// point, floor axes.
     pub anchors: Vec<Vec<Vector3<f64>>>,

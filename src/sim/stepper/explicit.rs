@@ -200,7 +200,7 @@ impl ExplicitStepper {
                 sim.metrics.events += 1;
                 sim.stall_guard.count_at_instant(sim.plant.state.time)?;
             }
-            if sim.update_polygons(None)? {
+            if sim.update_polygons(None) {
                 sim.plant.evaluate();
             }
             sim.read_compliant_states(observer)?;

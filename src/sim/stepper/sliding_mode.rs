@@ -86,7 +86,7 @@ impl SlidingMode {
     /// For vectors of length `n`.
     pub fn new(n: usize) -> Self {
         SlidingMode {
-            recent: [(f64::NEG_INFINITY, States::default()); EVENTS],
+            recent: std::array::from_fn(|_| (f64::NEG_INFINITY, States::default())),
             count: 0,
             is_active: false,
             since: 0.0,
@@ -118,7 +118,8 @@ impl SlidingMode {
     pub fn record(&mut self, sim: &mut RunState, observer: &mut dyn Observer) -> Result<(), RunError> {
         let t = sim.plant.state.time;
         self.recent.rotate_right(1);
-        self.recent[0] = (t, sim.plant.states);
+        self.recent[0].0 = t;
+        self.recent[0].1.clone_from(&sim.plant.states);
         self.count = if sim.last_collision == t { 0 } else { self.count + 1 };
         let needed = if t < self.passed { EVENTS_AGAIN } else { EVENTS };
         if self.count < needed || t - self.recent[needed - 1].0 > FAST * needed as f64 {
@@ -144,7 +145,7 @@ impl SlidingMode {
         self.begin(sim.plant.state.time, FIRST_STAY_WITHOUT_STATE);
         sim.event(observer, EventKind::SlidingMode, "", "begins: no valid state near the solved contact problem")?;
         // States and forces at this instant are those of a first step.
-        let states = sim.plant.states;
+        let states = sim.plant.states.clone();
         sim.plant.within = sim.plant.state.time + 0.5 * self.h;
         evaluate_step(sim, self.h)?;
         set_velocity_problem(sim, self.h);
@@ -183,7 +184,7 @@ impl SlidingMode {
         observer: &mut dyn Observer,
     ) -> Result<bool, RunError> {
         let t0 = sim.plant.state.time;
-        sim.update_polygons(Some(self.h))?;
+        sim.update_polygons(Some(self.h));
         sim.emit_due_snapshots(t0, observer)?;
         if let Some(sampler) = &mut sim.sampler {
             sampler.begin_step(&sim.plant);
@@ -192,7 +193,7 @@ impl SlidingMode {
         let end = logged.map_or(until, |t| t.min(until));
         let remaining = end - t0;
         let layout = sim.plant.layout.clone();
-        let states = sim.plant.states;
+        let states = sim.plant.states.clone();
         let jumps = sim.energy.jump_work;
         let impulses = sim.plant.impulses.take();
         sim.plant.pack(&sim.energy.flows, &mut self.start);
@@ -279,7 +280,7 @@ impl SlidingMode {
         sim.plant.unpack(t0, &self.start);
         sim.energy.flows = sim.plant.layout.flows(&self.start);
         sim.energy.jump_work = jumps;
-        sim.plant.states = *states;
+        sim.plant.states.clone_from(states);
         sim.plant.directions.clone_from(&self.directions);
     }
 

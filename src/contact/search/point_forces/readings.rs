@@ -2,7 +2,7 @@
 
 use super::{Point, PointForces};
 use crate::contact::model::problem::Problem;
-use crate::contact::model::state::{MAX_SOLES, Mode, Pattern, SoleState, States};
+use crate::contact::model::state::{Mode, Pattern, SoleState, States};
 
 /// Friction, relative to what holds at most, with which a vertex is at its limit.
 const LIMIT: f64 = 1.0 - 1e-9;
@@ -14,7 +14,7 @@ impl PointForces {
     pub fn states(&self, p: &Problem, least: f64, slips: f64) -> States {
         let mut states = States::default();
         let load = self.load();
-        for s in 0..p.soles.len().min(MAX_SOLES) {
+        for s in 0..p.soles.len() {
             let k = p.soles[s].vertices.len();
             let carrying = self.points_of(s).filter(|point| point.split.z > least * load);
             let carrying = carrying.fold(0u64, |set, point| set | 1 << point.vertex);

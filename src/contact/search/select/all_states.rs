@@ -1,8 +1,10 @@
 //! The search through all states: best-first, then over clamped patterns, then by enumeration.
 
 use super::{Selector, Task};
+use crate::contact::model::per_sole::INLINE;
 use crate::contact::model::problem::{Level, Problem};
-use crate::contact::model::state::{MAX_SOLES, SoleState, States};
+use crate::contact::model::state::{SoleState, States};
+use smallvec::SmallVec;
 
 /// More combinations than this are not enumerated when the local search fails.
 const ENUMERABLE: usize = 20_000;
@@ -13,10 +15,8 @@ const MOST: usize = 5_000;
 
 /// Number of combinations of the states of all soles, and its factors; the greatest number if it
 /// overflows.
-fn combinations(p: &Problem) -> (usize, [usize; MAX_SOLES]) {
-    let mut sizes = [1; MAX_SOLES];
-    let soles = p.soles.iter().zip(&mut sizes);
-    soles.for_each(|(sole, size)| *size = SoleState::refined(sole.vertices.len()).count());
+fn combinations(p: &Problem) -> (usize, SmallVec<[usize; INLINE]>) {
+    let sizes: SmallVec<_> = p.soles.iter().map(|sole| SoleState::refined(sole.vertices.len()).count()).collect();
     (sizes.iter().try_fold(1usize, |n, &k| n.checked_mul(k)).unwrap_or(usize::MAX), sizes)
 }
 
@@ -70,12 +70,12 @@ impl Selector {
     /// Tests the patterns of `states` with the modes that regularized friction gives them.
     pub(super) fn complete(&mut self, task: &mut Task, states: &States) {
         let soles = task.p.soles.len();
-        let mut patterns = *states;
+        let mut patterns = states.clone();
         (0..soles).for_each(|s| patterns[s] = SoleState::fixed(patterns[s].pattern));
         if self.patterns.contains(&patterns) {
             return;
         }
-        self.patterns.push(patterns);
+        self.patterns.push(patterns.clone());
         task.tested += 1;
         self.in_place = None;
         let regularized = self.finder.regularized_modes(&mut self.solver, task.p, &patterns, task.out);
@@ -85,7 +85,7 @@ impl Selector {
             let states = regularized.modes(task.p, threshold);
             if (0..soles).all(|s| (task.allowed)(s, states[s])) {
                 self.forget(&states);
-                self.guess = Some(regularized.slips);
+                self.guess = Some(regularized.slips.clone());
                 self.push(task, &states);
                 self.guess = None;
             }

@@ -3,7 +3,7 @@
 use super::{Selector, Task};
 use crate::contact::model::problem::{Level, Problem, Vertex};
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::{MAX_SOLES, States};
+use crate::contact::model::state::States;
 use crate::contact::search::judge::Assessment;
 use crate::contact::search::load_split::LoadSplit;
 use crate::contact::search::point_forces::{LEAST_SLIPS, SLIPS};
@@ -75,7 +75,7 @@ impl Selector {
         out.tangent.iter_mut().for_each(|tangent| tangent.fill(Vector2::zeros()));
         self.points.forces().for_each(|(s, i, force)| out.set_vertex_force(s, i, force));
         out.gather_vertex_forces(p);
-        out.inside = [true; MAX_SOLES];
+        out.inside.fill(true);
         self.points.states(p, 0.0, slips)
     }
 
@@ -113,7 +113,7 @@ impl Selector {
                 self.points.advance(task.p, BETWEEN_READINGS);
                 let states = self.points.states(task.p, self.carries(), SLIPS);
                 let is_new = || !self.queue.iter().any(|e| e.states == states && e.guessed);
-                if early < EARLY && last == Some(states) && is_new() {
+                if early < EARLY && last.as_ref() == Some(&states) && is_new() {
                     early += 1;
                     self.push_solution(task, &states, true);
                 }
@@ -190,7 +190,7 @@ impl Selector {
         }
         // Where only the directions were not found from the first guess, others may succeed.
         let mut lacking = self.queue.iter().filter(|e| e.brief && e.assessment.levels[..2] == [0.0; 2]);
-        let lacking: [Option<States>; RETESTED] = std::array::from_fn(|_| lacking.next().map(|e| e.states));
+        let lacking: [Option<States>; RETESTED] = std::array::from_fn(|_| lacking.next().map(|e| e.states.clone()));
         for states in lacking.iter().flatten() {
             self.push_solution(task, states, false);
             if self.is_found() {
@@ -226,7 +226,7 @@ impl Selector {
     /// problem has.
     fn push_split(&mut self, task: &mut Task, states: &States) {
         let Some(entry) = self.queue.iter().find(|e| e.states == *states) else { return };
-        let Assessment { faults, levels, .. } = entry.assessment;
+        let Assessment { faults, levels, .. } = &entry.assessment;
         let fails = |s: usize| states[s].is_static() && (faults[s].pulling || faults[s].friction);
         let p = &*task.p;
         if levels[0] > 0.0 || !LoadSplit::may_apply(p, states) || !(0..p.soles.len()).any(fails) {
@@ -244,7 +244,7 @@ impl Selector {
     /// its pressure may follow another rule there, and more vertices lift off.
     fn push_parts(&mut self, task: &mut Task, states: &States, slips: f64) {
         let Some(entry) = self.queue.iter().find(|e| e.states == *states) else { return };
-        let faults = entry.assessment.faults;
+        let faults = entry.assessment.faults.clone();
         let mut parts = std::mem::take(&mut self.parts);
         for s in (0..task.p.soles.len()).filter(|&s| faults[s].pulling || faults[s].friction) {
             parts.clear();
@@ -253,7 +253,7 @@ impl Selector {
                 if self.is_found() {
                     break;
                 }
-                let mut next = *states;
+                let mut next = states.clone();
                 next[s] = part;
                 self.push_solution(task, &next, true);
             }
