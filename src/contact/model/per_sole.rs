@@ -45,8 +45,8 @@ impl<T> Index<usize> for PerSole<T> {
 
 impl<T: Copy> IndexMut<usize> for PerSole<T> {
     fn index_mut(&mut self, sole: usize) -> &mut T {
-        if sole >= self.set.len() {
-            self.set.resize(sole + 1, self.others);
+        while self.set.len() <= sole {
+            self.set.push(self.others);
         }
         &mut self.set[sole]
     }
