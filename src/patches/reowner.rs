@@ -23,27 +23,25 @@ use super::parallel;
 use super::roles::Roles;
 use super::{ConvexBody, Corner, Feature, Owner, Placement, Topology};
 
-/// The new owner; `None` if the present one remains. `clamped`: which corners stay in contact, in
-/// the order of the topology.
+/// The new owner; `None` if the present one remains. `clamped`: whether a corner, by its index in
+/// the topology, stays in contact.
 pub fn reowner(
     topology: &Topology,
-    clamped: &[bool],
+    clamped: impl Fn(usize) -> bool,
     a: &ConvexBody,
     pa: &Placement,
     b: &ConvexBody,
     pb: &Placement,
 ) -> Option<Owner> {
+    let mut stay = topology.corners.iter().enumerate().filter(|(c, _)| clamped(*c)).map(|(_, corner)| corner);
     if let Owner::Along(i, j) = topology.owner {
-        let mut stay = topology.corners.iter().zip(clamped).filter(|&(_, &is_clamped)| is_clamped);
         return match (stay.next(), stay.next()) {
-            (Some((corner, _)), None) => Some(parallel::corner_owner((i, j), corner, (a, pa), (b, pb))),
+            (Some(corner), None) => Some(parallel::corner_owner((i, j), corner, (a, pa), (b, pb))),
             _ => None,
         };
     }
     let roles = Roles::new(topology.owner, a, pa, b, pb)?;
     let swapped = topology.incident.map(|k| if roles.is_owner_b { Owner::FaceOfA(k) } else { Owner::FaceOfB(k) });
-    let pairs = topology.corners.iter().zip(clamped);
-    let mut stay = pairs.filter(|&(_, &is_clamped)| is_clamped).map(|(corner, _)| corner);
     match (stay.next(), stay.next(), stay.next()) {
         (Some(&Corner::Crossing { a: i, b: j }), None, None) => match (edge_feature(a, i), edge_feature(b, j)) {
             (Feature::Edge(i), Feature::Edge(j)) => Some(Owner::Edges(i, j)),

@@ -154,3 +154,42 @@ fn objects_allocate_nothing() {
         assert_eq!(allocations, 0, "{integrator}");
     }
 }
+
+/// A body slides and stops: the robot's block on the floor, a box on a box, and a box on terrain. Where the
+/// corners of contacts stay the same, an event between bodies allocates what one of a sole does: its texts.
+#[test]
+fn events_of_objects_allocate_only_their_texts() {
+    let of_sole = allocations_until_stop(
+        "robot.model = \"robots/block/block.toml\"
+        robot.base = { position = [0, 0, 0.05], linear_velocity = [2, 0, 0] }",
+    );
+    assert!(of_sole > 0, "the texts are counted");
+    let sliding =
+        "{ type = \"box\", size = [0.2, 0.1, 0.1], mass = 1, position = [0, 0, 0.15], linear_velocity = [2, 0, 0] }";
+    let below = [
+        format!("object = [{sliding}, {{ type = \"box\", size = [4, 1, 0.1], mass = 2, position = [0, 0, 0.05] }}]"),
+        format!("object = [{sliding}]\nterrain = [{{ type = \"box\", size = [4, 1, 0.1], position = [0, 0, 0.05] }}]"),
+    ];
+    for scene in below {
+        let robot = "robot = { model = \"robots/ground/ground.urdf\" }\n".to_owned();
+        assert_eq!(allocations_until_stop(&(robot + &scene)), of_sole, "{scene}");
+    }
+}
+
+/// Allocations of the second half of a slide at 2 m/s, up to the step in which it stops.
+fn allocations_until_stop(scene: &str) -> usize {
+    let mut sim = simulation(&format!("duration = 10.0\nfloor.friction = 0.2\nlog.rate = 0\n{scene}"));
+    sim.begin(&mut NullObserver).expect("it begins");
+    // Lists grow in the first half.
+    while sim.plant().state.time < 0.5 {
+        sim.step(&mut NullObserver).expect("it steps");
+    }
+    assert!(sim.metrics().first_stick_s.is_none(), "it slides");
+    let allocations = count(|| {
+        while sim.metrics().first_stick_s.is_none() {
+            sim.step(&mut NullObserver).expect("it steps");
+        }
+    });
+    assert_eq!(sim.metrics().state_changes, 1, "{scene}");
+    allocations
+}

@@ -163,7 +163,7 @@ fn a_change_of_owner_alters_nothing_at_a_flat_instant() {
         let before = pair.geometry(&held);
         for c in 0..held.corners.len() {
             let clamped: Vec<bool> = (0..held.corners.len()).map(|i| i == c).collect();
-            let new = reowner(&held, &clamped, &pair.a, &pair.pa, &pair.b, &pair.pb);
+            let new = reowner(&held, |c| clamped[c], &pair.a, &pair.pa, &pair.b, &pair.pb);
             let Some(new) = new else {
                 kinds[0] += 1;
                 continue;

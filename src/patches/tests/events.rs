@@ -217,7 +217,7 @@ fn a_change_of_owner_alters_nothing_at_a_flat_instant() {
         for first in 0..count {
             for pattern in [vec![first], vec![first, (first + 1) % count], vec![]] {
                 let clamped: Vec<bool> = (0..count).map(|c| pattern.is_empty() || pattern.contains(&c)).collect();
-                let new = reowner(&held, &clamped, &pair.a, &pair.pa, &pair.b, &pair.pb);
+                let new = reowner(&held, |c| clamped[c], &pair.a, &pair.pa, &pair.b, &pair.pb);
                 let Some(new) = new else {
                     kinds[0] += 1;
                     continue;
@@ -255,7 +255,7 @@ fn the_border_that_stays_in_contact_decides_the_owner() {
         |c: &Corner| pair.geometry(&held).points[held.corners.iter().position(|d| d == c).unwrap()].position.x > 0.4;
     let owner = |f: &dyn Fn(&Corner) -> bool| {
         let clamped: Vec<bool> = held.corners.iter().map(f).collect();
-        reowner(&held, &clamped, &pair.a, &pair.pa, &pair.b, &pair.pb)
+        reowner(&held, |c| clamped[c], &pair.a, &pair.pa, &pair.b, &pair.pb)
     };
     let is_crossing = |c: &Corner| matches!(c, Corner::Crossing { .. });
     assert_eq!(owner(&|c| is_right(c)), Some(Owner::FaceOfA(4)));

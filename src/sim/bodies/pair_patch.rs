@@ -104,9 +104,9 @@ impl Part {
         speeds.fold(f64::INFINITY, f64::min)
     }
 
-    /// Positions of its corners, world, m.
-    pub fn positions(&self) -> impl Iterator<Item = &Vector3<f64>> {
-        self.geometry.points.iter().map(|point| &point.position)
+    /// Position of a corner, world, m.
+    pub fn position(&self, corner: usize) -> &Vector3<f64> {
+        &self.geometry.points[corner].position
     }
 
     /// Whether both have corners in one plane fixed to the world or to their common body A, and gaps to one plane:

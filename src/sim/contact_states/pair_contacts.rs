@@ -66,6 +66,8 @@ pub struct PairContacts {
     /// Number of those without terrain.
     fixed: usize,
     terrain: Option<TerrainPairs>,
+    /// Planes of pairs with terrain before an update.
+    hints: HashMap<(usize, usize), Owner>,
     /// Results of the last search, in their order.
     found: Vec<Found>,
     /// Bodies that links carry.
@@ -86,6 +88,7 @@ impl PairContacts {
             found: Vec::with_capacity(candidates.len()),
             candidates,
             terrain,
+            hints: HashMap::new(),
             moving: (0..bodies.len()).filter(|k| bodies[*k].link().is_some()).collect(),
             placements: Vec::new(),
             starts: Vec::new(),
@@ -110,10 +113,11 @@ impl PairContacts {
         if !terrain.update(plant, &self.placements) {
             return;
         }
+        self.hints.clear();
         let known = |candidate: Candidate| Some((candidate.pair.bodies, candidate.hint?));
-        let hints: HashMap<_, _> = self.candidates.drain(self.fixed..).filter_map(known).collect();
-        let candidate =
-            |pair: &Pair| Candidate { hint: hints.get(&pair.bodies).copied(), ..Candidate::new(pair.clone()) };
+        self.hints.extend(self.candidates.drain(self.fixed..).filter_map(known));
+        let hint = |pair: &Pair| self.hints.get(&pair.bodies).copied();
+        let candidate = |pair: &Pair| Candidate { hint: hint(pair), ..Candidate::new(pair.clone()) };
         self.candidates.extend(terrain.pairs().map(candidate));
         self.place(plant);
     }
@@ -220,33 +224,19 @@ impl PairContacts {
     /// changes nothing at the instant, and the motion that follows keeps to it. `None` if no plane changes.
     pub fn follow_states(&self, plant: &Plant) -> Option<Vec<PairPatch>> {
         let mechanisms = plant.objects.mechanisms(&plant.ws);
-        let first = plant.polygons.len() - plant.pair_patches().count();
-        let mut changed = false;
-        let mut parts = Vec::new();
-        for (p, patch) in plant.pair_patches().enumerate() {
-            let (state, k) = (plant.states[first + p], patch.len());
-            for part in &patch.parts {
-                let clamped = |corner: &Vector3<f64>| is_clamped(patch, state, corner);
-                let clamped: Vec<bool> = part.positions().map(clamped).collect();
-                let (a, b) = bodies(plant, &part.pair);
-                let (pa, pb) = (a.placement(mechanisms), b.placement(mechanisms));
-                let owner = patches::reowner(&part.topology, &clamped, &a.shape, &pa, &b.shape, &pb);
-                let Some(owner) = owner.filter(|owner| *owner != part.topology.owner) else {
-                    parts.push(part.clone());
-                    continue;
-                };
-                // The side of crossing edges is that of the present normal.
-                let mut topology = part.topology.clone();
-                let near = (0..k).map(|i| patch.point(i).gap).fold(NEAR, f64::max);
-                if patches::topology(&a.shape, &pa, &b.shape, &pb, near, owner, None, &mut topology) {
-                    changed = true;
-                    parts.push(Part::new(part.pair.clone(), topology, &plant.bodies, mechanisms));
-                } else {
-                    parts.push(part.clone());
-                }
+        with_topologies(plant, |s, patch, part| {
+            let clamped = |c: usize| is_clamped(patch, plant.states[s], part.position(c));
+            let (a, b) = bodies(plant, &part.pair);
+            let (pa, pb) = (a.placement(mechanisms), b.placement(mechanisms));
+            let owner = patches::reowner(&part.topology, clamped, &a.shape, &pa, &b.shape, &pb)?;
+            if owner == part.topology.owner {
+                return None;
             }
-        }
-        changed.then(|| PairPatch::merge(parts, &plant.bodies))
+            // The side of crossing edges is that of the present normal.
+            let mut topology = part.topology.clone();
+            let near = (0..patch.len()).map(|i| patch.point(i).gap).fold(NEAR, f64::max);
+            patches::topology(&a.shape, &pa, &b.shape, &pb, near, owner, None, &mut topology).then_some(topology)
+        })
     }
 
     /// The patches on ends of cylinders with the rings turned, where the state holds only an edge or a vertex of a
@@ -254,26 +244,36 @@ impl PairContacts {
     /// hold. `None` if there are none.
     pub fn turn_rings(&self, plant: &Plant) -> Option<Vec<PairPatch>> {
         let mechanisms = plant.objects.mechanisms(&plant.ws);
-        let first = plant.polygons.len() - plant.pair_patches().count();
-        let mut parts: Vec<Part> = Vec::new();
-        let mut changed = false;
-        for (p, patch) in plant.pair_patches().enumerate() {
-            let is_partial = matches!(plant.states[first + p].pattern, Pattern::Edge(_) | Pattern::Vertex(_));
-            let load = is_partial.then(|| centre_of_load(patch, &plant.solution.normal[first + p])).flatten();
-            for part in &patch.parts {
-                let (a, b) = bodies(plant, &part.pair);
-                let (pa, pb) = (a.placement(mechanisms), b.placement(mechanisms));
-                let turn = |load| patches::turn_ring(&part.topology, &load, (&a.shape, &pa), (&b.shape, &pb));
-                let turned = load.and_then(turn);
-                changed |= turned.is_some();
-                parts.push(turned.map_or_else(
-                    || part.clone(),
-                    |topology| Part::new(part.pair.clone(), topology, &plant.bodies, mechanisms),
-                ));
-            }
-        }
-        changed.then(|| PairPatch::merge(parts, &plant.bodies))
+        with_topologies(plant, |s, patch, part| {
+            let is_partial = matches!(plant.states[s].pattern, Pattern::Edge(_) | Pattern::Vertex(_));
+            let load = is_partial.then(|| centre_of_load(patch, &plant.solution.normal[s])).flatten()?;
+            let (a, b) = bodies(plant, &part.pair);
+            let (pa, pb) = (a.placement(mechanisms), b.placement(mechanisms));
+            patches::turn_ring(&part.topology, &load, (&a.shape, &pa), (&b.shape, &pb))
+        })
     }
+}
+
+/// The present patches with the corners that `topology` gives for parts, each with its patch and the index of
+/// its polygon. `None`, without an allocation, if it gives none.
+fn with_topologies(
+    plant: &Plant,
+    topology: impl Fn(usize, &PairPatch, &Part) -> Option<Topology>,
+) -> Option<Vec<PairPatch>> {
+    let mechanisms = plant.objects.mechanisms(&plant.ws);
+    let first = plant.polygons.len() - plant.pair_patches().count();
+    let parts = || {
+        let patches = plant.pair_patches().enumerate();
+        patches.flat_map(move |(p, patch)| patch.parts.iter().map(move |part| (first + p, patch, part)))
+    };
+    let changed = parts().enumerate().filter_map(|(i, (s, patch, part))| Some((i, topology(s, patch, part)?)));
+    let mut changed = changed.collect::<Vec<_>>().into_iter().peekable();
+    changed.peek()?;
+    let parts = parts().enumerate().map(|(i, (_, _, part))| match changed.next_if(|(at, _)| *at == i) {
+        Some((_, topology)) => Part::new(part.pair.clone(), topology, &plant.bodies, mechanisms),
+        None => part.clone(),
+    });
+    Some(PairPatch::merge(parts.collect(), &plant.bodies))
 }
 
 /// Centre of the normal forces on a patch, world, m; `None` without any.

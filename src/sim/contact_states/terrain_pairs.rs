@@ -45,6 +45,8 @@ pub struct TerrainPairs {
     buffer: TerrainPiece,
     /// Pieces that meet a box.
     near: Vec<PieceRef>,
+    /// Pairs of a body before an update.
+    before: Vec<Pair>,
 }
 
 impl TerrainPairs {
@@ -61,6 +63,7 @@ impl TerrainPairs {
             pieces: HashMap::new(),
             buffer: TerrainPiece::prism_buffer(),
             near: Vec::new(),
+            before: Vec::new(),
         }
     }
 
@@ -107,7 +110,8 @@ impl TerrainPairs {
         let moving = &mut self.moving[i];
         self.near.clear();
         self.terrain.near(min, max, |piece| self.near.push(piece));
-        let before = std::mem::take(&mut moving.pairs);
+        std::mem::swap(&mut self.before, &mut moving.pairs);
+        moving.pairs.clear();
         for piece in &self.near {
             let (terrain, buffer) = (&self.terrain, &mut self.buffer);
             let body = self.pieces.entry(*piece).or_insert_with(|| {
@@ -123,7 +127,7 @@ impl TerrainPairs {
             let friction = rule.map_or_else(|| PairFriction::of(one, other), PairFriction::given);
             moving.pairs.push(Pair { bodies: (moving.body, body), links: (moving.link, None), friction });
         }
-        !moving.pairs.iter().map(|pair| pair.bodies).eq(before.iter().map(|pair| pair.bodies))
+        !moving.pairs.iter().map(|pair| pair.bodies).eq(self.before.iter().map(|pair| pair.bodies))
     }
 }
 
