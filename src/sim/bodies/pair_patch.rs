@@ -18,7 +18,7 @@
 use super::{Body, Pair};
 use crate::dynamics::reduced::Mechanisms;
 use crate::geometry::{Plane, convex_hull};
-use crate::patches::{self, Corner, CornerMotion, Owner, PatchGeometry, Placement, Topology};
+use crate::patches::{self, ConvexBody, Corner, CornerMotion, Owner, PatchGeometry, Placement, Topology};
 use nalgebra::{Matrix3, Vector3};
 
 /// Angle, rad, and distance, m, up to which two planes are one.
@@ -45,8 +45,8 @@ pub struct Part {
     /// present one may move apart.
     pub opens: bool,
     geometry: PatchGeometry,
-    /// Normal and offset, m, of the plane of the incident face, world.
-    incident: Option<(Vector3<f64>, f64)>,
+    /// Normals and offsets, m, of the planes of the faces of A and B that lie against each other, world.
+    faces: Option<[(Vector3<f64>, f64); 2]>,
     placements: (Placement, Placement),
 }
 
@@ -56,18 +56,8 @@ impl Part {
         let (a, b) = (&bodies[pair.bodies.0], &bodies[pair.bodies.1]);
         let placements = (a.placement(mechanisms), b.placement(mechanisms));
         let geometry = PatchGeometry::default();
-        let mut part = Part { pair, topology, opens: false, geometry, incident: None, placements };
+        let mut part = Part { pair, topology, opens: false, geometry, faces: None, placements };
         part.update(bodies, mechanisms);
-        let (pa, pb) = &part.placements;
-        let body = match part.topology.owner {
-            Owner::FaceOfA(_) => Some((&bodies[part.pair.bodies.1].shape, pb)),
-            Owner::FaceOfB(_) => Some((&bodies[part.pair.bodies.0].shape, pa)),
-            _ => None,
-        };
-        part.incident = body.zip(part.topology.incident).map(|((shape, at), k)| {
-            let normal = at.rotation * shape.face(k).normal;
-            (normal, shape.face(k).offset + normal.dot(&at.position))
-        });
         part
     }
 
@@ -79,6 +69,16 @@ impl Part {
         if self.pair.links.1.is_none() && matches!(self.topology.owner, Owner::FaceOfB(_)) {
             self.geometry.axes = world_axes(&self.geometry.axes.column(2).into());
         }
+        let faces = match (self.topology.owner, self.topology.incident) {
+            (Owner::FaceOfA(k), Some(l)) => Some((k, l)),
+            (Owner::FaceOfB(l), Some(k)) => Some((k, l)),
+            _ => None,
+        };
+        let plane = |shape: &ConvexBody, at: &Placement, k: u16| {
+            let normal = at.rotation * shape.face(k).normal;
+            (normal, shape.face(k).offset + normal.dot(&at.position))
+        };
+        self.faces = faces.map(|(k, l)| [plane(&a.shape, pa, k), plane(&b.shape, pb, l)]);
     }
 
     /// Normal and a point of its plane, if that is a face of the world.
@@ -109,22 +109,26 @@ impl Part {
         &self.geometry.points[corner].position
     }
 
-    /// Whether both have corners in one plane fixed to the world or to their common body A, and gaps to one plane:
-    /// the gaps are then a linear function of the position in the first.
+    /// Whether both have corners in one plane fixed to the world or to their common body A, and faces of A and of
+    /// the others in one plane each: the gaps are then a linear function of the position.
     fn is_coplanar(&self, other: &Part) -> bool {
         let fixed = self.pair.links.1.is_none() && other.pair.links.1.is_none();
         let (n, m) = (self.geometry.axes.column(2), other.geometry.axes.column(2));
         let (Some(p), Some(q)) = (self.geometry.points.first(), other.geometry.points.first()) else { return false };
         fixed
             && self.pair.bodies.0 == other.pair.bodies.0
-            && match (&self.incident, &other.incident) {
-                (Some((u, s)), Some((v, t))) => (u - v).norm() < COPLANAR && (s - t).abs() < COPLANAR,
+            && match (&self.faces, &other.faces) {
+                (Some(own), Some(others)) => own.iter().zip(others).all(|(p, q)| is_one_plane(p, q)),
                 (None, None) => true,
                 _ => false,
             }
             && (n - m).norm() < COPLANAR
             && n.dot(&(p.position - n * p.gap - q.position + m * q.gap)).abs() < COPLANAR
     }
+}
+
+fn is_one_plane((m, s): &(Vector3<f64>, f64), (n, t): &(Vector3<f64>, f64)) -> bool {
+    (m - n).norm() < COPLANAR && (s - t).abs() < COPLANAR
 }
 
 /// Axes of a plane of the world with the normal `n`, which depend on nothing else.

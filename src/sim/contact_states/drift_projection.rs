@@ -15,6 +15,9 @@ use nalgebra::Vector3;
 /// Greatest change of a contact frame, relative to the error that it removes, beyond rounding, m or m/s.
 const MOST_CHANGE: f64 = 1e4;
 const ROUNDING: f64 = 1e-12;
+/// Greatest shift, m, beyond `MOST_SHIFT` times the error.
+const SMALL_SHIFT: f64 = 1e-4;
+const MOST_SHIFT: f64 = 10.0;
 
 /// Stores the positions of the vertices of sole `s`. Where events are located, touching vertices
 /// are placed on the floor itself.
@@ -90,16 +93,24 @@ impl RunState {
     /// Whether the change in `self.projection` is in proportion to the error that it removes. Always without
     /// located events: steps then leave errors, and impacts, of any size.
     pub(super) fn is_projectable(&self, error: f64) -> bool {
-        if !self.locates_events() {
-            return true;
-        }
+        !self.locates_events() || self.greatest_change() <= MOST_CHANGE * error + ROUNDING
+    }
+
+    /// The same of a change of positions.
+    fn is_shift_projectable(&self, error: f64) -> bool {
+        let is_small = || self.greatest_change() <= SMALL_SHIFT.max(MOST_SHIFT * error);
+        self.is_projectable(error) && (!self.locates_events() || is_small())
+    }
+
+    /// Greatest change of a contact frame in `self.projection`, m or m/s.
+    fn greatest_change(&self) -> f64 {
         let p = &self.plant.problem;
         let frames = self.projection.motion.chunks_exact(6).zip(p.b.chunks_exact(6)).zip(&p.soles);
         let change = |((m, b), sole): ((&[f64], &[f64]), &SoleProblem)| {
             let part = |k: usize| Vector3::from_fn(|i, _| m[k + i] - b[k + i]).norm();
             part(0) + sole.radius * part(3)
         };
-        frames.map(change).fold(0.0, f64::max) <= MOST_CHANGE * error + ROUNDING
+        frames.map(change).fold(0.0, f64::max)
     }
 
     fn project_position(&mut self) {
@@ -120,7 +131,7 @@ impl RunState {
             return;
         }
         plant.method.respond(p, &plant.states, &mut self.projection);
-        if !self.is_projectable(drift.greatest) {
+        if !self.is_shift_projectable(drift.greatest) {
             return;
         }
         let plant = &mut self.plant;

@@ -103,14 +103,15 @@ impl PairContacts {
 
     /// Number of functions [`gap`](Self::gap).
     pub fn number(&self) -> usize {
-        self.candidates.len() + self.terrain.as_ref().map_or(0, TerrainPairs::number)
+        self.candidates.len()
     }
 
     /// Adds pieces of terrain that have come near, and removes distant ones. Needs the plant's kinematics.
-    pub fn update_terrain(&mut self, plant: &mut Plant) {
+    /// `step` is the size of a step without located events.
+    pub fn update_terrain(&mut self, plant: &mut Plant, step: Option<f64>) {
         self.place(plant);
         let Some(terrain) = &mut self.terrain else { return };
-        if !terrain.update(plant, &self.placements) {
+        if !terrain.update(plant, &self.placements, step) {
             return;
         }
         self.hints.clear();
@@ -152,6 +153,12 @@ impl PairContacts {
         }
     }
 
+    /// If a body may have left the box in which its terrain is known, the fraction of the step after which it is
+    /// probably inside. Needs [`update_ways`](Self::update_ways).
+    pub fn part_inside(&self, plant: &Plant) -> Option<f64> {
+        self.terrain.as_ref()?.part_inside(plant, &self.starts, &self.placements)
+    }
+
     /// Distance of the bodies of a pair, m, or a lower bound for it above zero.
     fn distance(&self, plant: &Plant, candidate: &Candidate) -> f64 {
         let (a, b) = bodies(plant, &candidate.pair);
@@ -168,14 +175,9 @@ impl PairContacts {
     }
 
     /// Positive while a pair needs no other corners: the distance of one that does not touch, or the
-    /// validity of its corners. Then those of the boxes in which terrain is known. Needs
-    /// [`update_ways`](Self::update_ways).
+    /// validity of its corners. Needs [`update_ways`](Self::update_ways).
     pub fn gap(&self, plant: &Plant, c: usize) -> f64 {
-        let Some(candidate) = self.candidates.get(c) else {
-            let i = c - self.candidates.len();
-            let inside = |terrain: &TerrainPairs| terrain.inside(plant, &self.placements, i);
-            return self.terrain.as_ref().map_or(f64::INFINITY, inside);
-        };
+        let candidate = &self.candidates[c];
         let bound = candidate.start - self.ways[candidate.pair.bodies.0] - self.ways[candidate.pair.bodies.1];
         if bound > 0.0 {
             return bound;
@@ -340,16 +342,20 @@ fn find_corners(
     }
     let after = |_| patches::separation(&a.shape, &after_a, &b.shape, &after_b, None, f64::INFINITY).owner;
     // At a seam a wall of the next piece is as near as its upper side.
-    let owners = [coplanar_face(plant, &candidate.pair, b, &pb), step.and_then(after), owner];
+    let seam = coplanar_face(plant, &candidate.pair, b, &pb);
+    let owners = if seam.is_some() { [seam, None] } else { [step.and_then(after), owner] };
+    if owners == [None; 2] {
+        return Found::Apart;
+    }
     let mut topology = present.map_or_else(Topology::default, |part| part.topology.clone());
     let mut is_near = |owner: Owner| {
         let incident = present.filter(|part| part.topology.owner == owner).and_then(|part| part.topology.incident);
         patches::topology(&a.shape, &pa, &b.shape, &pb, reach, owner, incident, &mut topology)
     };
-    if owners == [None; 3] {
-        return Found::Apart;
-    }
     if !owners.into_iter().flatten().any(&mut is_near) {
+        if seam.is_some() {
+            return Found::Apart;
+        }
         match patches::tied_topology(&a.shape, &pa, &b.shape, &pb, distance, reach) {
             Some(tied) => topology = tied,
             None => return Found::Apart,

@@ -46,7 +46,7 @@ impl RunState {
             return false;
         }
         self.plant.update_kinematics();
-        self.pairs.update_terrain(&mut self.plant);
+        self.pairs.update_terrain(&mut self.plant, step);
         let (plant, distance) = (&self.plant, self.tolerances.distance);
         let links = self.links.as_mut().and_then(|links| links.find(plant, distance, step));
         let pairs = self.pairs.find(plant, distance, step);

@@ -1,8 +1,8 @@
 //! Pieces of terrain near moving bodies.
 //!
 //! Terrain may have many pieces. A moving body forms pairs with those that meet a box around it: the least one,
-//! extended by a distance. It is computed again when the body may have moved by that distance
-//! ([`Placement::way_from`]), which is an event, and between steps already after a part of it.
+//! extended by a distance. It is computed again between steps, when the body may have moved by a part of that
+//! distance ([`Placement::way_from`]). A step in which it may have moved by more is shortened.
 
 use crate::dynamics::reduced::BodyId;
 use crate::patches::{ConvexBody, Placement};
@@ -19,6 +19,11 @@ const SLACK: f64 = 0.01;
 const HORIZON: f64 = 0.02;
 /// Part of the distance that must be left between steps.
 const LEFT: f64 = 0.5;
+/// Share of what is left that a shortened step aims at, and the least fraction to which it is shortened at once.
+const SHARE: f64 = 0.9;
+const LEAST: f64 = 1e-3;
+/// Steps without located events for which a new box suffices at least.
+const STEPS: f64 = 4.0;
 
 /// A body that may touch terrain.
 struct Moving {
@@ -67,31 +72,39 @@ impl TerrainPairs {
         }
     }
 
-    /// Number of functions [`inside`](Self::inside).
-    pub fn number(&self) -> usize {
-        self.moving.len()
+    /// If a body may have left its box in a step from the placements `starts` to `ends` of the plant's bodies, the
+    /// fraction of the step after which it is probably inside.
+    pub fn part_inside(&self, plant: &Plant, starts: &[Placement], ends: &[Placement]) -> Option<f64> {
+        let part = |moving: &Moving| {
+            let region = moving.region.as_ref()?;
+            let way = |at: &[Placement]| at[moving.body].way_from(&region.placement, &plant.bodies[moving.body].shape);
+            let (from, to) = (way(starts), way(ends));
+            (to > region.reach).then(|| (SHARE * (region.reach - from) / (to - from)).max(LEAST))
+        };
+        self.moving.iter().filter_map(part).min_by(f64::total_cmp)
     }
 
-    /// Positive while body `i` is inside its box, m. `placements`: those of the plant's bodies.
-    pub fn inside(&self, plant: &Plant, placements: &[Placement], i: usize) -> f64 {
+    /// Distance by which body `i` may still move within its box, m; negative without one.
+    fn left(&self, plant: &Plant, placements: &[Placement], i: usize) -> f64 {
         let moving = &self.moving[i];
         let shape = &plant.bodies[moving.body].shape;
-        let inside = |region: &Region| region.reach - placements[moving.body].way_from(&region.placement, shape);
-        moving.region.as_ref().map_or(-1.0, inside)
+        let left = |region: &Region| region.reach - placements[moving.body].way_from(&region.placement, shape);
+        moving.region.as_ref().map_or(-1.0, left)
     }
 
     /// Updates the boxes to these placements of the plant's bodies, and adds bodies for new pieces to the plant.
-    /// Returns whether pairs have changed.
-    pub fn update(&mut self, plant: &mut Plant, placements: &[Placement]) -> bool {
+    /// `step` is the size of a step without located events. Returns whether pairs have changed.
+    pub fn update(&mut self, plant: &mut Plant, placements: &[Placement], step: Option<f64>) -> bool {
+        let horizon = HORIZON.max(STEPS * step.unwrap_or(0.0));
         let mut changed = false;
         for i in 0..self.moving.len() {
             let reach = self.moving[i].region.as_ref().map_or(0.0, |region| region.reach);
-            if self.inside(plant, placements, i) > LEFT * reach {
+            if self.left(plant, placements, i) > LEFT * reach {
                 continue;
             }
             let moving = &mut self.moving[i];
             let (shape, placement) = (&plant.bodies[moving.body].shape, placements[moving.body]);
-            let reach = SLACK + HORIZON * fastest(shape, &placement);
+            let reach = SLACK + horizon * fastest(shape, &placement);
             let (min, max) = shape.bounds(&placement);
             let (min, max) = (min.add_scalar(-reach), max.add_scalar(reach));
             moving.region = Some(Region { placement, reach });

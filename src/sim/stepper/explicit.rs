@@ -156,6 +156,11 @@ impl ExplicitStepper {
             h = size;
             // The last stage was evaluated at the end of the step, where the plant now is.
             self.functions.values(sim, &mut self.right);
+            while let Some(part) = sim.pairs.part_inside(&sim.plant) {
+                h *= part;
+                self.pair.attempt(&mut sim.plant, t0, h);
+                self.functions.values(sim, &mut self.right);
+            }
             for _ in 0..MOST_CROSSINGS {
                 let Some(part) = self.functions.passed_over(sim, &self.right).filter(|_| sim.locates_events()) else {
                     break;
@@ -313,7 +318,7 @@ impl ExplicitStepper {
         sim.plant.pack(&sim.energy.flows, &mut self.y);
         self.pair.begin(&mut sim.plant, t0, &self.y);
         sim.plant.update_reference_directions();
-        sim.pairs.update_terrain(&mut sim.plant);
+        sim.pairs.update_terrain(&mut sim.plant, None);
         self.functions.begin(sim);
         self.functions.values(sim, &mut self.start);
     }
@@ -341,7 +346,7 @@ impl ExplicitStepper {
             }
             let next = (event * (1.0 + beyond)).min(full);
             if next == h {
-                break;
+                continue;
             }
             near = !self.attempt(sim, t0, next);
             h = next;
