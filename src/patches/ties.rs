@@ -4,7 +4,7 @@
 //! and the same support distance. Only those that reach the edge make a patch.
 
 use super::separation::{REACH, Search};
-use super::{ConvexBody, Owner, Placement, Topology, topology};
+use super::{ConvexBody, Owner, PatchGeometry, Placement, Topology, geometry, topology};
 
 /// Sine of the angle between edges below which they make no plane.
 const PARALLEL: f64 = 1e-9;
@@ -21,9 +21,15 @@ pub fn tied_topology(
 ) -> Option<Topology> {
     let search = Search::new(a, pa, b, pb);
     let mut found = Topology::default();
+    let mut at = PatchGeometry::default();
     let mut is_patch = |owner: Owner, value: f64| {
         let ties = value >= distance - REACH && search.is_touchable(owner);
-        ties && topology(a, pa, b, pb, near, owner, None, &mut found)
+        let is_near = ties && topology(a, pa, b, pb, near, owner, None, &mut found);
+        // The normal of edges may have the other side, on which they are deep.
+        is_near && {
+            geometry(&found, a, pa, b, pb, &mut at);
+            at.points.iter().all(|point| point.gap >= distance - REACH)
+        }
     };
     let of_b = |(k, face): (usize, &super::Face)| (Owner::FaceOfB(k as u16), search.along(&face.normal));
     let of_a = |(k, face): (usize, &super::Face)| (Owner::FaceOfA(k as u16), search.along(&-(search.r * face.normal)));
