@@ -44,7 +44,7 @@ use nalgebra::{Vector2, Vector3};
 const EVENTS: usize = 16;
 const EVENTS_AGAIN: usize = 6;
 /// Time between two such events, on average, s.
-const FAST: f64 = 2e-4;
+const FAST: f64 = 2e-5;
 /// First time in the mode before a trial, s; the same where no state was found; the longest.
 const FIRST_STAY: f64 = 5e-4;
 const FIRST_STAY_WITHOUT_STATE: f64 = 1e-4;
