@@ -19,14 +19,9 @@ impl ConvexBody {
     pub fn from_hull(vertices: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Option<Self> {
         let first = *vertices.first()?;
         let size = vertices.iter().map(|p| (p - first).norm()).fold(0.0, f64::max);
-        let area = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|k| vertices[k as usize]);
-            (b - a).cross(&(c - a))
-        };
-        let mut order: Vec<&[u32; 3]> = triangles.iter().collect();
-        order.sort_by(|s, t| area(t).norm_squared().total_cmp(&area(s).norm_squared()));
+        let area = |t: &[u32; 3]| area(vertices, t);
         let mut faces: Vec<(Vec<u16>, Vector3<f64>)> = Vec::new();
-        for triangle in order {
+        for triangle in by_area(vertices, triangles) {
             let is_known = |ring: &[u16]| triangle.iter().all(|&k| ring.contains(&(k as u16)));
             if faces.iter().any(|(ring, _)| is_known(ring)) {
                 continue;
@@ -72,22 +67,35 @@ fn distinct(points: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     kept
 }
 
+/// Normal of a triangle with the length of twice its area, m^2.
+fn area(vertices: &[Vector3<f64>], triangle: &[u32; 3]) -> Vector3<f64> {
+    let [a, b, c] = triangle.map(|k| vertices[k as usize]);
+    (b - a).cross(&(c - a))
+}
+
+/// Large triangles first.
+fn by_area<'a>(vertices: &[Vector3<f64>], triangles: &'a [[u32; 3]]) -> Vec<&'a [u32; 3]> {
+    let size = |t: &[u32; 3]| area(vertices, t).norm_squared();
+    let mut order: Vec<&[u32; 3]> = triangles.iter().collect();
+    order.sort_by(|s, t| size(t).total_cmp(&size(s)));
+    order
+}
+
+/// Directed sides of a triangle.
+fn sides(t: &[u32; 3]) -> [[u32; 2]; 3] {
+    [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]
+}
+
 /// Faces of groups of adjacent triangles, with their normals. `None` if an outline does not close.
 fn merge_adjacent(
     vertices: &[Vector3<f64>],
     triangles: &[[u32; 3]],
     tolerance: f64,
 ) -> Option<Vec<(Vec<u16>, Vector3<f64>)>> {
-    let area = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|k| vertices[k as usize]);
-        (b - a).cross(&(c - a))
-    };
-    let mut order: Vec<&[u32; 3]> = triangles.iter().collect();
-    order.sort_by(|s, t| area(t).norm_squared().total_cmp(&area(s).norm_squared()));
-    let sides = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
+    let mut order = by_area(vertices, triangles);
     let mut faces = Vec::new();
     while let Some(&&largest) = order.first() {
-        let normal = area(&largest).try_normalize(0.0)?;
+        let normal = area(vertices, &largest).try_normalize(0.0)?;
         let origin = vertices[largest[0] as usize];
         let is_flat = |t: &[u32; 3]| t.iter().all(|k| normal.dot(&(vertices[*k as usize] - origin)).abs() <= tolerance);
         let mut group: Vec<[u32; 2]> = Vec::new();
@@ -183,7 +191,6 @@ fn convex_hull(points: &[Vector3<f64>]) -> Option<Vec<[u32; 3]>> {
         };
         let visible: Vec<[u32; 3]> = triangles.iter().filter(|t| is_visible(t)).copied().collect();
         triangles.retain(|t| !visible.contains(t));
-        let sides = |t: &[u32; 3]| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]];
         let all: Vec<[u32; 2]> = visible.iter().flat_map(sides).collect();
         let horizon = all.iter().filter(|s| !all.contains(&[s[1], s[0]]));
         triangles.extend(horizon.map(|s| [s[0], s[1], k]));

@@ -100,6 +100,13 @@ impl Placement {
         shift + if turn > 0.0 { turn * body.radius } else { 0.0 }
     }
 
+    /// Velocity of the centre of a body, world, m/s, and a bound of that of its points relative to it, m/s; zero for
+    /// half-spaces, which have no farthest point.
+    pub fn speeds(&self, body: &ConvexBody) -> (Vector3<f64>, f64) {
+        let turn = if body.is_half_space() { 0.0 } else { self.omega.norm() * body.radius };
+        (self.velocity_at(&self.point(&body.centre)), turn)
+    }
+
     /// Velocity, world, m/s, of the material point of the body at the world position `x`, m.
     pub fn velocity_at(&self, x: &Vector3<f64>) -> Vector3<f64> {
         self.velocity + self.omega.cross(&(x - self.position))

@@ -45,7 +45,7 @@ pub(super) const REACH: f64 = 1e-9;
 const SLACK: f64 = 1e-9;
 
 /// Least sine of the angle between edges that make a plane.
-const PARALLEL: f64 = 1e-9;
+pub(super) const PARALLEL: f64 = 1e-9;
 
 /// Result of `separation`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,11 +3,8 @@
 //! Where a face lies against an edge, its sides that are parallel to each other have the same normal with the edge,
 //! and the same support distance. Only those that reach the edge make a patch.
 
-use super::separation::{REACH, Search};
-use super::{ConvexBody, Owner, PatchGeometry, Placement, Topology, geometry, topology};
-
-/// Sine of the angle between edges below which they make no plane.
-const PARALLEL: f64 = 1e-9;
+use super::separation::{PARALLEL, REACH, Search};
+use super::{ConvexBody, Face, Owner, PatchGeometry, Placement, Topology, geometry, topology};
 
 /// The patch of the first owner (faces of B, faces of A, edge pairs) whose support distance is `distance`, m, up to
 /// 1e-9 m, and that has corners with gaps of at most `near`, m. Tries all features.
@@ -31,8 +28,8 @@ pub fn tied_topology(
             at.points.iter().all(|point| point.gap >= distance - REACH)
         }
     };
-    let of_b = |(k, face): (usize, &super::Face)| (Owner::FaceOfB(k as u16), search.along(&face.normal));
-    let of_a = |(k, face): (usize, &super::Face)| (Owner::FaceOfA(k as u16), search.along(&-(search.r * face.normal)));
+    let of_b = |(k, face): (usize, &Face)| (Owner::FaceOfB(k as u16), search.along(&face.normal));
+    let of_a = |(k, face): (usize, &Face)| (Owner::FaceOfA(k as u16), search.along(&-(search.r * face.normal)));
     let has_patch = b.faces.iter().enumerate().map(of_b).any(|(owner, value)| is_patch(owner, value))
         || a.faces.iter().enumerate().map(of_a).any(|(owner, value)| is_patch(owner, value))
         || a.edges.iter().enumerate().any(|(i, edge)| {

@@ -232,6 +232,7 @@ fn a_robot_that_falls_on_rubble_does_not_sink_in() {
         ));
         let m = finish(&mut sim, &mut NullObserver);
         assert!(m.max_penetration_m < 1e-8 && m.inconsistent == 0, "{duration}: {}", m.max_penetration_m);
-        assert!(m.impacts > 5 && m.energy_error_j.abs() < 1e-3, "{duration}: {} J", m.energy_error_j);
+        // Energies are not under error control: 3e-7 J here.
+        assert!(m.impacts > 5 && m.energy_error_j.abs() < 1e-5, "{duration}: {} J", m.energy_error_j);
     }
 }

@@ -6,6 +6,7 @@ mod events;
 mod oracle;
 mod rates;
 mod shapes;
+mod ties;
 
 use super::*;
 use nalgebra::Rotation3;

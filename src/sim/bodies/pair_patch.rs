@@ -18,7 +18,7 @@
 use super::{Body, Pair};
 use crate::dynamics::reduced::Mechanisms;
 use crate::geometry::{Plane, convex_hull};
-use crate::patches::{self, ConvexBody, Corner, CornerMotion, Owner, PatchGeometry, Placement, Topology};
+use crate::patches::{self, Corner, CornerMotion, Owner, PatchGeometry, Placement, Topology};
 use nalgebra::{Matrix3, Vector3};
 
 /// Angle, rad, and distance, m, up to which two planes are one.
@@ -45,8 +45,6 @@ pub struct Part {
     /// present one may move apart.
     pub opens: bool,
     geometry: PatchGeometry,
-    /// Normals and offsets, m, of the planes of the faces of A and B that lie against each other, world.
-    faces: Option<[(Vector3<f64>, f64); 2]>,
     placements: (Placement, Placement),
 }
 
@@ -56,7 +54,7 @@ impl Part {
         let (a, b) = (&bodies[pair.bodies.0], &bodies[pair.bodies.1]);
         let placements = (a.placement(mechanisms), b.placement(mechanisms));
         let geometry = PatchGeometry::default();
-        let mut part = Part { pair, topology, opens: false, geometry, faces: None, placements };
+        let mut part = Part { pair, topology, opens: false, geometry, placements };
         part.update(bodies, mechanisms);
         part
     }
@@ -69,16 +67,22 @@ impl Part {
         if self.pair.links.1.is_none() && matches!(self.topology.owner, Owner::FaceOfB(_)) {
             self.geometry.axes = world_axes(&self.geometry.axes.column(2).into());
         }
-        let faces = match (self.topology.owner, self.topology.incident) {
-            (Owner::FaceOfA(k), Some(l)) => Some((k, l)),
-            (Owner::FaceOfB(l), Some(k)) => Some((k, l)),
-            _ => None,
+    }
+
+    /// Normals and offsets, m, of the planes of the faces of A and B that lie against each other, world.
+    fn face_planes(&self, bodies: &[Body]) -> Option<[(Vector3<f64>, f64); 2]> {
+        let (of_a, of_b) = match (self.topology.owner, self.topology.incident) {
+            (Owner::FaceOfA(k), Some(l)) => (k, l),
+            (Owner::FaceOfB(l), Some(k)) => (k, l),
+            _ => return None,
         };
-        let plane = |shape: &ConvexBody, at: &Placement, k: u16| {
-            let normal = at.rotation * shape.face(k).normal;
-            (normal, shape.face(k).offset + normal.dot(&at.position))
+        let plane = |body: usize, at: &Placement, k: u16| {
+            let face = bodies[body].shape.face(k);
+            let normal = at.rotation * face.normal;
+            (normal, face.offset + normal.dot(&at.position))
         };
-        self.faces = faces.map(|(k, l)| [plane(&a.shape, pa, k), plane(&b.shape, pb, l)]);
+        let (a, b) = self.pair.bodies;
+        Some([plane(a, &self.placements.0, of_a), plane(b, &self.placements.1, of_b)])
     }
 
     /// Normal and a point of its plane, if that is a face of the world.
@@ -111,19 +115,19 @@ impl Part {
 
     /// Whether both have corners in one plane fixed to the world or to their common body A, and faces of A and of
     /// the others in one plane each: the gaps are then a linear function of the position.
-    fn is_coplanar(&self, other: &Part) -> bool {
+    fn is_coplanar(&self, other: &Part, bodies: &[Body]) -> bool {
         let fixed = self.pair.links.1.is_none() && other.pair.links.1.is_none();
         let (n, m) = (self.geometry.axes.column(2), other.geometry.axes.column(2));
         let (Some(p), Some(q)) = (self.geometry.points.first(), other.geometry.points.first()) else { return false };
         fixed
             && self.pair.bodies.0 == other.pair.bodies.0
-            && match (&self.faces, &other.faces) {
-                (Some(own), Some(others)) => own.iter().zip(others).all(|(p, q)| is_one_plane(p, q)),
+            && (n - m).norm() < COPLANAR
+            && n.dot(&(p.position - n * p.gap - q.position + m * q.gap)).abs() < COPLANAR
+            && match (self.face_planes(bodies), other.face_planes(bodies)) {
+                (Some(own), Some(others)) => own.iter().zip(&others).all(|(p, q)| is_one_plane(p, q)),
                 (None, None) => true,
                 _ => false,
             }
-            && (n - m).norm() < COPLANAR
-            && n.dot(&(p.position - n * p.gap - q.position + m * q.gap)).abs() < COPLANAR
     }
 }
 
@@ -156,7 +160,7 @@ impl PairPatch {
     pub fn merge(parts: Vec<Part>, bodies: &[Body]) -> Vec<Self> {
         let mut patches: Vec<PairPatch> = Vec::new();
         for part in parts {
-            match patches.iter_mut().find(|patch| patch.parts[0].is_coplanar(&part)) {
+            match patches.iter_mut().find(|patch| patch.parts[0].is_coplanar(&part, bodies)) {
                 Some(patch) => patch.parts.push(part),
                 None => patches.push(PairPatch::of(part, bodies)),
             }

@@ -437,10 +437,6 @@ fn centre(body: &Body, placement: &Placement) -> Vector3<f64> {
 
 /// Bound of the speed of points of one body relative to the other, m/s.
 fn fastest((a, pa): (&Body, &Placement), (b, pb): (&Body, &Placement)) -> f64 {
-    let own = |body: &Body, placement: &Placement| {
-        let turn = if body.shape.is_half_space() { 0.0 } else { placement.omega.norm() * body.shape.radius };
-        (placement.velocity_at(&centre(body, placement)), turn)
-    };
-    let ((va, ta), (vb, tb)) = (own(a, pa), own(b, pb));
+    let ((va, ta), (vb, tb)) = (pa.speeds(&a.shape), pb.speeds(&b.shape));
     (va - vb).norm() + ta + tb
 }

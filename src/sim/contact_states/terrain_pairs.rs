@@ -5,7 +5,7 @@
 //! distance ([`Placement::way_from`]). A step in which it may have moved by more is shortened.
 
 use crate::dynamics::reduced::BodyId;
-use crate::patches::{ConvexBody, Placement};
+use crate::patches::Placement;
 use crate::sim::bodies::{Body, Pair, PairFriction};
 use crate::sim::plant::Plant;
 use crate::terrain::{PieceRef, Terrain, TerrainPiece};
@@ -104,7 +104,8 @@ impl TerrainPairs {
             }
             let moving = &mut self.moving[i];
             let (shape, placement) = (&plant.bodies[moving.body].shape, placements[moving.body]);
-            let reach = SLACK + horizon * fastest(shape, &placement);
+            let (velocity, turn) = placement.speeds(shape);
+            let reach = SLACK + horizon * (velocity.norm() + turn);
             let (min, max) = shape.bounds(&placement);
             let (min, max) = (min.add_scalar(-reach), max.add_scalar(reach));
             moving.region = Some(Region { placement, reach });
@@ -142,9 +143,4 @@ impl TerrainPairs {
         }
         !moving.pairs.iter().map(|pair| pair.bodies).eq(self.before.iter().map(|pair| pair.bodies))
     }
-}
-
-/// Bound of the speed of the points of a body, m/s.
-fn fastest(shape: &ConvexBody, placement: &Placement) -> f64 {
-    placement.velocity_at(&placement.point(&shape.centre)).norm() + placement.omega.norm() * shape.radius
 }

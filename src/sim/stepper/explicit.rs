@@ -156,6 +156,7 @@ impl ExplicitStepper {
             h = size;
             // The last stage was evaluated at the end of the step, where the plant now is.
             self.functions.values(sim, &mut self.right);
+            // Bodies stay where their terrain is known.
             while let Some(part) = sim.pairs.part_inside(&sim.plant) {
                 h *= part;
                 self.pair.attempt(&mut sim.plant, t0, h);
@@ -346,6 +347,7 @@ impl ExplicitStepper {
             }
             let next = (event * (1.0 + beyond)).min(full);
             if next == h {
+                // It ends as it should; the next passes end nearer.
                 continue;
             }
             near = !self.attempt(sim, t0, next);
