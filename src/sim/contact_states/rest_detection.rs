@@ -25,6 +25,15 @@ impl RunState {
         })
     }
 
+    /// Whether no vertex slides faster than `speed`, m/s.
+    pub(in crate::sim) fn slides_up_to(&self, speed: f64) -> bool {
+        self.plant.problem.soles.iter().enumerate().all(|(s, sole)| {
+            let (state, k) = (self.plant.states[s], sole.vertices.len());
+            let slow = |i: usize| sole.vertices[i].velocity.xy().norm() <= speed;
+            (0..k).all(|i| !state.clamps(i, k) || slow(i))
+        })
+    }
+
     /// Speed, m/s, up to which vertices are set to rest because steps do not resolve how they come
     /// to rest; 0 if they do.
     ///

@@ -4,7 +4,9 @@
 //! Several states may each drive the motion out of themselves and into the next, so that none is
 //! valid for longer than some microseconds; the motion is then a sliding mode [Filippov 1988]. It
 //! is detected by [`EVENTS`] events in a row that take at most [`FAST`] each, return to the same
-//! few states, and include no impact faster than v_t. The run then advances by velocity-level steps
+//! few states, and include no impact faster than v_t. Where nothing slides faster than [`CREEP`],
+//! [`FAST_OF_CREEP`] takes the place of [`FAST`]: bodies that come to rest slide ever slower, until
+//! errors of steps stop them and turn them round. The run then advances by velocity-level steps
 //! ([`super::semi_implicit`], [Moreau 1988]), which need no state that is valid at every instant:
 //! the contact laws hold for the velocities at the end of a step and the impulses over it.
 //!
@@ -45,10 +47,13 @@ const EVENTS: usize = 16;
 const EVENTS_AGAIN: usize = 6;
 /// Time between two such events, on average, s.
 const FAST: f64 = 2e-5;
-/// First time in the mode before a trial, s; the same where no state was found; the longest.
-const FIRST_STAY: f64 = 5e-4;
-const FIRST_STAY_WITHOUT_STATE: f64 = 1e-4;
-const LONGEST_STAY: f64 = 2e-2;
+const FAST_OF_CREEP: f64 = 1e-3;
+/// Speed of contacts, m/s, up to which they creep.
+const CREEP: f64 = 1e-6;
+/// First and longest time in the mode before a trial, s; where no state was found; where bodies creep.
+const STAYS: (f64, f64) = (5e-4, 2e-2);
+const STAYS_WITHOUT_STATE: (f64, f64) = (1e-4, 2e-2);
+const STAYS_OF_CREEP: (f64, f64) = (2e-2, 0.5);
 /// Size of the first velocity-level step, s.
 const FIRST_STEP: f64 = 2e-5;
 /// Size of fixed-step integrators' velocity-level steps, relative to their step.
@@ -60,6 +65,10 @@ pub struct SlidingMode {
     recent: [(f64, States); EVENTS],
     count: usize,
     is_active: bool,
+    /// Number of the last events at which contacts slid by at most [`CREEP`].
+    creeping: usize,
+    /// Must the mode end when contacts slide faster?
+    only_creep: bool,
     /// Start of the present mode, s, and instant of the next trial.
     since: f64,
     trial: f64,
@@ -89,9 +98,11 @@ impl SlidingMode {
             recent: std::array::from_fn(|_| (f64::NEG_INFINITY, States::default())),
             count: 0,
             is_active: false,
+            creeping: 0,
+            only_creep: false,
             since: 0.0,
             trial: 0.0,
-            stay: FIRST_STAY,
+            stay: STAYS.0,
             passed: f64::NEG_INFINITY,
             h: FIRST_STEP,
             control: StepControl::new(2),
@@ -110,8 +121,8 @@ impl SlidingMode {
 
     /// Forgets events and mode, after a jump of the equations.
     pub fn reset(&mut self) {
-        self.count = 0;
-        self.is_active = false;
+        (self.count, self.creeping) = (0, 0);
+        (self.is_active, self.only_creep) = (false, false);
     }
 
     /// Records the states chosen at an event. Begins a mode if the states alternate.
@@ -121,8 +132,14 @@ impl SlidingMode {
         self.recent[0].0 = t;
         self.recent[0].1.clone_from(&sim.plant.states);
         self.count = if sim.last_collision == t { 0 } else { self.count + 1 };
+        self.creeping = if sim.slides_up_to(CREEP) { self.creeping + 1 } else { 0 };
         let needed = if t < self.passed { EVENTS_AGAIN } else { EVENTS };
-        if self.count < needed || t - self.recent[needed - 1].0 > FAST * needed as f64 {
+        if self.count < needed {
+            return Ok(());
+        }
+        let span = t - self.recent[needed - 1].0;
+        let only_creep = span > FAST * needed as f64;
+        if only_creep && (span > FAST_OF_CREEP * needed as f64 || self.creeping < needed) {
             return Ok(());
         }
         let recent = &self.recent[..needed];
@@ -130,8 +147,8 @@ impl SlidingMode {
         if 2 * distinct > needed {
             return Ok(());
         }
-        let span = t - recent[needed - 1].0;
-        self.begin(t, FIRST_STAY);
+        self.begin(t, if only_creep { STAYS_OF_CREEP } else { STAYS });
+        self.only_creep = only_creep;
         let message = format!("begins: {needed} events between {distinct} states within {span:.3e} s");
         sim.event(observer, EventKind::SlidingMode, "", &message)
     }
@@ -142,7 +159,7 @@ impl SlidingMode {
             return Ok(false);
         }
         sim.deferral = Deferral::Allowed;
-        self.begin(sim.plant.state.time, FIRST_STAY_WITHOUT_STATE);
+        self.begin(sim.plant.state.time, STAYS_WITHOUT_STATE);
         sim.event(observer, EventKind::SlidingMode, "", "begins: no valid state near the solved contact problem")?;
         // States and forces at this instant are those of a first step.
         let states = sim.plant.states.clone();
@@ -155,9 +172,9 @@ impl SlidingMode {
         Ok(true)
     }
 
-    /// Begins a mode at the time `t`. The first of several in a row lasts for `stay`.
-    fn begin(&mut self, t: f64, stay: f64) {
-        self.stay = if t < self.passed { (2.0 * self.stay).min(LONGEST_STAY) } else { stay };
+    /// Begins a mode at the time `t`. The first of several in a row lasts for `first`.
+    fn begin(&mut self, t: f64, (first, longest): (f64, f64)) {
+        self.stay = if t < self.passed { (2.0 * self.stay).clamp(first, longest) } else { first };
         (self.is_active, self.since, self.trial, self.h) = (true, t, t + self.stay, FIRST_STEP);
         self.control = StepControl::new(2);
     }
@@ -261,7 +278,7 @@ impl SlidingMode {
         sim.measure_energy();
         sim.measure_step();
         sim.sampler.as_mut().map_or(Ok(()), |sampler| sampler.sample_step(&sim.plant, observer))?;
-        Ok(t1 >= self.trial)
+        Ok(t1 >= self.trial || self.only_creep && !sim.slides_up_to(2.0 * CREEP))
     }
 
     /// One velocity-level step of size `h` to the time `end`, with its contact states and without
