@@ -113,9 +113,8 @@ impl Part {
         &self.geometry.points[corner].position
     }
 
-    /// Whether both have corners in one plane fixed to the world or to their common body A, and faces of A and of
-    /// the others in one plane each: the gaps are then a linear function of the position.
-    fn is_coplanar(&self, other: &Part, bodies: &[Body]) -> bool {
+    /// Whether both have corners in one plane of their common body A with the world.
+    fn has_plane_of(&self, other: &Part) -> bool {
         let fixed = self.pair.links.1.is_none() && other.pair.links.1.is_none();
         let (n, m) = (self.geometry.axes.column(2), other.geometry.axes.column(2));
         let (Some(p), Some(q)) = (self.geometry.points.first(), other.geometry.points.first()) else { return false };
@@ -123,11 +122,51 @@ impl Part {
             && self.pair.bodies.0 == other.pair.bodies.0
             && (n - m).norm() < COPLANAR
             && n.dot(&(p.position - n * p.gap - q.position + m * q.gap)).abs() < COPLANAR
+    }
+
+    /// Whether both have corners in one plane fixed to the world or to their common body A, and faces of A and of
+    /// the others in one plane each: the gaps are then a linear function of the position.
+    fn is_coplanar(&self, other: &Part, bodies: &[Body]) -> bool {
+        self.has_plane_of(other)
             && match (self.face_planes(bodies), other.face_planes(bodies)) {
                 (Some(own), Some(others)) => own.iter().zip(&others).all(|(p, q)| is_one_plane(p, q)),
                 (None, None) => true,
                 _ => false,
             }
+    }
+}
+
+/// Leaves points that several patches with the same plane share to the first of them: forces there are those of one
+/// contact. So a face that lies on a peak of a height field meets it once, not once per triangle. A patch that
+/// has no other points joins the first.
+fn drop_shared_points(patches: &mut Vec<PairPatch>) {
+    let mut p = 1;
+    while p < patches.len() {
+        let (before, rest) = patches.split_at_mut(p);
+        let patch = &mut rest[0];
+        let mut owner = None;
+        for (k, other) in before.iter().enumerate() {
+            if !patch.has_plane_of(other) {
+                continue;
+            }
+            let is_shared = |vertex: &(usize, usize)| {
+                let at = &patch.parts[vertex.0].geometry.points[vertex.1].position;
+                (0..other.len()).any(|i| (other.point(i).position - at).norm() <= SAME_POINT)
+            };
+            let mut kept = patch.vertices.clone();
+            kept.retain(|vertex| !is_shared(vertex));
+            if kept.len() < patch.len() {
+                owner = owner.or(Some(k));
+                patch.vertices = kept;
+            }
+        }
+        match owner.filter(|_| patch.is_empty()) {
+            Some(k) => {
+                let parts = patches.remove(p).parts;
+                patches[k].parts.extend(parts);
+            }
+            None => p += 1,
+        }
     }
 }
 
@@ -166,6 +205,8 @@ impl PairPatch {
             }
         }
         patches.iter_mut().for_each(PairPatch::complete);
+        drop_shared_points(&mut patches);
+        patches.iter_mut().for_each(PairPatch::anchor_all);
         patches
     }
 
@@ -180,7 +221,7 @@ impl PairPatch {
         }
     }
 
-    /// Chooses the vertices and anchors them.
+    /// Chooses the vertices.
     fn complete(&mut self) {
         let corners = |(p, part): (usize, &Part)| (0..part.geometry.points.len()).map(move |c| (p, c));
         self.vertices = self.parts.iter().enumerate().flat_map(corners).collect();
@@ -193,6 +234,9 @@ impl PairPatch {
             let index = |p: &Vector3<f64>| positions.iter().position(|q| p == q).map(|i| self.vertices[i]);
             self.vertices = hull.iter().filter_map(index).collect();
         }
+    }
+
+    fn anchor_all(&mut self) {
         self.anchors = vec![Anchor::default(); self.vertices.len()];
         (0..self.len()).for_each(|i| self.anchor(i));
     }
@@ -249,6 +293,12 @@ impl PairPatch {
     /// Friction of a vertex.
     pub fn friction(&self, i: usize) -> super::PairFriction {
         self.parts[self.vertices[i].0].pair.friction
+    }
+
+    /// Whether it has the plane and the friction of another patch of the same body with the world.
+    fn has_plane_of(&self, other: &PairPatch) -> bool {
+        let (part, first) = (&self.parts[0], &other.parts[0]);
+        part.has_plane_of(first) && part.pair.friction == first.pair.friction
     }
 
     /// Whether vertex `i` of this patch is the same as vertex `k` of a former one.
