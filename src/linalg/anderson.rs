@@ -4,6 +4,7 @@
 //! `G - dG c` with the c that minimizes `|r - dr c|`. It starts anew where |r| grows.
 
 use crate::linalg::cholesky::Symmetric;
+use crate::linalg::dot;
 use nalgebra::Vector3;
 
 /// Iterations that are combined.
@@ -60,7 +61,6 @@ impl Anderson {
     pub fn combine(&mut self, sequence: impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> + Clone) -> Option<&[f64]> {
         let size = sequence.clone().map(|(x, g)| (g - x).norm_squared()).sum::<f64>().sqrt();
         let n = 3 * sequence.clone().count();
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         match self.last_size {
             Some(last) if size <= GROWS * last => {
                 let at = self.next * n..(self.next + 1) * n;

@@ -1,6 +1,8 @@
 //! Cholesky factorisation in place: small dense symmetric systems `A x = b`, `A = L L^T` positive
 //! definite.
 
+use super::dot;
+
 /// A symmetric matrix and its factor, row-major, `n` x `n`.
 #[derive(Clone, Debug)]
 pub struct Symmetric {
@@ -27,15 +29,14 @@ impl Symmetric {
         for j in 0..n {
             let (above, rest) = a.split_at_mut(j * n + n);
             let row = &mut above[j * n..];
-            let pivot = row[j] - row[..j].iter().map(|x| x * x).sum::<f64>();
+            let pivot = row[j] - dot(&row[..j], &row[..j]);
             if !(pivot > 0.0) {
                 return false;
             }
             let diagonal = pivot.sqrt();
             row[j] = diagonal;
             for lower in rest.chunks_exact_mut(n) {
-                let dot: f64 = row[..j].iter().zip(&lower[..j]).map(|(x, y)| x * y).sum();
-                lower[j] = (lower[j] - dot) / diagonal;
+                lower[j] = (lower[j] - dot(&row[..j], &lower[..j])) / diagonal;
             }
         }
         true
@@ -45,12 +46,12 @@ impl Symmetric {
     pub fn solve(&self, b: &mut [f64]) {
         let (n, l) = (self.n, &self.entries);
         for i in 0..n {
-            let dot: f64 = l[i * n..i * n + i].iter().zip(&b[..i]).map(|(x, y)| x * y).sum();
-            b[i] = (b[i] - dot) / l[i * n + i];
+            b[i] = (b[i] - dot(&l[i * n..i * n + i], &b[..i])) / l[i * n + i];
         }
         for i in (0..n).rev() {
-            let dot: f64 = (i + 1..n).map(|k| l[k * n + i] * b[k]).sum();
-            b[i] = (b[i] - dot) / l[i * n + i];
+            let (above, at) = b.split_at_mut(i);
+            at[0] /= l[i * n + i];
+            above.iter_mut().zip(&l[i * n..i * n + i]).for_each(|(b, l)| *b -= l * at[0]);
         }
     }
 }

@@ -14,6 +14,8 @@
 //! pivot that is not clearly positive ends this, and the matrix is factorised as any other. So is a
 //! matrix that is expected to be regular, if pivots sought within their columns come near zero.
 
+use super::dot;
+
 /// Pivot, relative to the first, under which a row counts as redundant. Rounding of a 12 x 12
 /// elimination stays near 1e-14; closed kinematic loops of real robots have pivots above 1e-9.
 const RANK: f64 = 1e-12;
@@ -130,11 +132,10 @@ impl Linear {
         let n = b.len();
         (0..n).for_each(|k| b.swap(k, self.row[k]));
         for k in 1..n {
-            let sum: f64 = self.copy[k * n..k * n + k].iter().zip(&*b).map(|(l, x)| l * x).sum();
-            b[k] -= sum;
+            b[k] -= dot(&self.copy[k * n..k * n + k], &b[..k]);
         }
         for k in (0..n).rev() {
-            let sum: f64 = self.copy[k * n + k + 1..(k + 1) * n].iter().zip(&b[k + 1..]).map(|(u, x)| u * x).sum();
+            let sum = dot(&self.copy[k * n + k + 1..(k + 1) * n], &b[k + 1..]);
             b[k] = (b[k] - sum) * self.inverse[k];
         }
     }
@@ -172,9 +173,7 @@ impl Linear {
             }
         }
         for k in (0..n).rev() {
-            let row = &self.copy[k * n + k + 1..(k + 1) * n];
-            let sum: f64 = row.iter().zip(&b[k + 1..]).map(|(u, x)| u * x).sum();
-            b[k] -= sum * self.inverse[k];
+            b[k] -= dot(&self.copy[k * n + k + 1..(k + 1) * n], &b[k + 1..]) * self.inverse[k];
         }
     }
 
@@ -185,15 +184,17 @@ impl Linear {
         column.iter_mut().enumerate().for_each(|(i, c)| *c = i);
         self.rank = n;
         let mut first = 0.0;
+        // Greatest entry of each row that is left.
+        let greatest = &mut self.scratch[..n];
+        greatest.iter_mut().zip(a.chunks_exact(n.max(1))).for_each(|(g, row)| *g = largest(row));
         for k in 0..n {
-            let (mut pi, mut pj, mut best) = (k, k, 0.0);
-            for i in k..n {
-                for (j, x) in a[i * n + k..(i + 1) * n].iter().enumerate() {
-                    if x.abs() > best {
-                        (pi, pj, best) = (i, k + j, x.abs());
-                    }
+            let (mut pi, mut best) = (k, 0.0);
+            for (i, g) in greatest.iter().enumerate().skip(k) {
+                if *g > best {
+                    (pi, best) = (i, *g);
                 }
             }
+            let pj = a[pi * n + k..(pi + 1) * n].iter().position(|x| x.abs() == best).map_or(k, |j| k + j);
             if k == 0 {
                 first = best;
             }
@@ -206,6 +207,7 @@ impl Linear {
                 for j in 0..n {
                     a.swap(k * n + j, pi * n + j);
                 }
+                greatest[pi] = greatest[k];
             }
             if pj != k {
                 for i in 0..n {
@@ -216,14 +218,13 @@ impl Linear {
             let inverse = 1.0 / a[k * n + k];
             let (upper, lower) = a.split_at_mut((k + 1) * n);
             let pivot_row = &upper[k * n + k + 1..(k + 1) * n];
-            for row in lower.chunks_exact_mut(n) {
+            for (row, g) in lower.chunks_exact_mut(n).zip(&mut greatest[k + 1..]) {
                 let f = row[k] * inverse;
                 row[k] = f;
                 if f != 0.0 {
-                    for (x, p) in row[k + 1..].iter_mut().zip(pivot_row) {
-                        *x -= f * p;
-                    }
+                    row[k + 1..].iter_mut().zip(pivot_row).for_each(|(x, p)| *x -= f * p);
                 }
+                *g = largest(&row[k + 1..]);
             }
         }
     }
@@ -241,18 +242,12 @@ impl Linear {
         let (n, rank) = (b.len(), self.rank);
         // The multipliers were exchanged along with their rows.
         (0..rank).for_each(|k| b.swap(k, self.row[k]));
-        for k in 0..rank {
-            let pivot = b[k];
-            if pivot != 0.0 {
-                for i in k + 1..n {
-                    b[i] -= a[i * n + k] * pivot;
-                }
-            }
+        for k in 1..rank {
+            b[k] -= dot(&a[k * n..k * n + k], &b[..k]);
         }
         b[rank..].fill(0.0);
         for k in (0..rank).rev() {
-            let row = &a[k * n + k + 1..k * n + rank];
-            let sum: f64 = row.iter().zip(&b[k + 1..rank]).map(|(x, y)| x * y).sum();
+            let sum = dot(&a[k * n + k + 1..k * n + rank], &b[k + 1..rank]);
             b[k] = (b[k] - sum) / a[k * n + k];
         }
         if rank < n {
@@ -274,12 +269,10 @@ impl Linear {
             let z = &mut self.null[f * rank..(f + 1) * rank];
             for k in (0..rank).rev() {
                 let row = &a[k * n..(k + 1) * n];
-                let sum: f64 = row[k + 1..rank].iter().zip(&z[k + 1..]).map(|(u, z)| u * z).sum();
-                z[k] = (row[rank + f] - sum) / row[k];
+                z[k] = (row[rank + f] - dot(&row[k + 1..rank], &z[k + 1..])) / row[k];
             }
         }
         let z = |f: usize| &self.null[f * rank..(f + 1) * rank];
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         for (f, y) in y.iter_mut().enumerate() {
             *y = dot(z(f), x);
             (0..free).for_each(|g| self.gram[f * free + g] = f64::from(u8::from(f == g)) + dot(z(f), z(g)));
@@ -289,6 +282,18 @@ impl Linear {
             x.iter_mut().zip(&self.null[f * rank..]).for_each(|(x, z)| *x -= z * y);
         }
     }
+}
+
+/// Greatest size of the entries of a row.
+fn largest(row: &[f64]) -> f64 {
+    let (chunks, rest) = row.as_chunks::<4>();
+    let mut most = [0.0; 4];
+    let keep = |most: &mut f64, x: f64| *most = if x > *most { x } else { *most };
+    for chunk in chunks {
+        most.iter_mut().zip(chunk).for_each(|(most, x)| keep(most, x.abs()));
+    }
+    rest.iter().for_each(|x| keep(&mut most[0], x.abs()));
+    most.into_iter().fold(0.0, f64::max)
 }
 
 /// Replaces a symmetric matrix by U on and above the diagonal, and writes the inverses of the pivots.

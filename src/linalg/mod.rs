@@ -9,3 +9,18 @@ pub mod cholesky;
 pub mod lemke;
 pub mod linear;
 pub mod riccati;
+
+/// `a . b` of the shorter length, in four partial sums: one after the other, additions would wait for each other.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len().min(b.len());
+    let (a, a_rest) = a[..n].as_chunks::<4>();
+    let (b, b_rest) = b[..n].as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for (a, b) in a.iter().zip(b) {
+        for i in 0..4 {
+            sums[i] += a[i] * b[i];
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}

@@ -2,8 +2,8 @@
 //!
 //! [`candidate`] solves the problem for one state of all soles, [`load_split`] chooses among the
 //! solutions of an indeterminate one. [`sliding_directions`] finds the
-//! directions of friction where no velocity gives them, [`regularized_modes`] which vertices stick
-//! and which slip. [`point_forces`] solves the problem with every vertex as a point.
+//! directions of friction where no velocity gives them, from [`slips`] and with the static soles
+//! [`condensed`]; [`regularized_modes`] which vertices stick and which slip. [`point_forces`] solves the problem with every vertex as a point.
 //! [`judge`] measures violations and margins, [`moves`] suggests neighbours, [`neighbour_screen`]
 //! excludes those of a valid state, [`select`] runs the best-first search.
 //!
@@ -11,6 +11,7 @@
 //! the tests of residuals read margins of [`judge`].
 
 pub mod candidate;
+pub mod condensed;
 pub mod judge;
 pub mod load_split;
 pub mod moves;
@@ -19,3 +20,4 @@ pub mod point_forces;
 pub mod regularized_modes;
 pub mod select;
 pub mod sliding_directions;
+pub mod slips;

@@ -19,7 +19,8 @@
 //! (H + rho)^-1 x = (x - A^T W (rho + A A^T W)^-1 A x) / rho
 //! ```
 //!
-//! so an iteration costs products with A and one solve of size 6F. z = -l at the solution.
+//! so an iteration costs products with A and one solve of size 6F, or, of few points, one solve with the
+//! symmetric matrix `H + rho` itself. z = -l at the solution.
 //!
 //! The iteration is a map of `x = f + l / rho`, from which y = P_K(x) and l = rho (x - y) follow.
 //! Alone it needs thousands of iterations where many vertices of a sole share a load. With
@@ -44,6 +45,8 @@ mod readings;
 use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::solution::{Solution, wrench_at};
 use crate::linalg::anderson::Anderson;
+use crate::linalg::cholesky::Symmetric;
+use crate::linalg::dot;
 use crate::linalg::linear::Linear;
 use crate::math;
 use nalgebra::{Vector2, Vector3};
@@ -112,6 +115,10 @@ pub struct PointForces {
     /// `rho + A A^T W`, factorised in place.
     matrix: Vec<f64>,
     linear: Linear,
+    /// H if there are few points, and the factor of `H + rho`.
+    response: Vec<f64>,
+    factor: Symmetric,
+    forces: Vec<f64>,
     wrench: Vec<f64>,
     motion: Vec<f64>,
     /// Penalty of the method.
@@ -133,6 +140,9 @@ impl PointForces {
             points: Vec::with_capacity(vertices),
             matrix: vec![0.0; n * n],
             linear: Linear::new(n),
+            response: Vec::with_capacity(n * n),
+            factor: Symmetric::zeros(n),
+            forces: Vec::with_capacity(n),
             wrench: vec![0.0; n],
             motion: vec![0.0; n],
             rho: 1.0,
@@ -198,8 +208,36 @@ impl PointForces {
         let trace: f64 = (0..n).map(|i| p.w[i * n + i]).sum();
         // Response of a point to its own force, roughly: the scale of H.
         self.rho = trace / n as f64;
+        if self.has_few_points(p) {
+            self.respond(p);
+        }
         self.factorize(p, self.rho);
         self.acceleration.restart();
+    }
+
+    /// Whether `H + rho` is smaller than the matrix of the soles.
+    fn has_few_points(&self, p: &Problem) -> bool {
+        3 * self.points.len() < p.dim()
+    }
+
+    /// Computes H.
+    fn respond(&mut self, p: &Problem) {
+        let (n, size) = (p.dim(), 3 * self.points.len());
+        self.response.resize(size * size, 0.0);
+        for (d, point) in self.points.iter().enumerate() {
+            for axis in 0..3 {
+                let wrench = wrench_at(&point.r, &Vector3::ith(axis, 1.0));
+                for (m, row) in self.motion.iter_mut().zip(p.w.chunks_exact(n)) {
+                    *m = dot(&row[6 * point.sole..], &wrench);
+                }
+                // H is symmetric: its rows are its columns.
+                let row = &mut self.response[(3 * d + axis) * size..][..size];
+                for (entry, point) in row.chunks_exact_mut(3).zip(&self.points) {
+                    let motion = motion_at(&self.motion[6 * point.sole..6 * point.sole + 6], &point.r);
+                    entry.copy_from_slice(motion.as_slice());
+                }
+            }
+        }
     }
 
     /// Sets l = -z from the motions of the soles.
@@ -268,7 +306,7 @@ impl PointForces {
         self.gather(|point| point.split);
         let rows = p.w.chunks_exact(p.dim());
         for ((m, b), row) in self.motion.iter_mut().zip(&p.b).zip(rows) {
-            *m = b + row.iter().zip(&self.wrench).map(|(w, x)| w * x).sum::<f64>();
+            *m = b + dot(row, &self.wrench);
         }
         &self.motion
     }
@@ -335,10 +373,19 @@ impl PointForces {
 
     /// Replaces the forces x by `(H + rho)^-1 x`.
     fn apply_inverse(&mut self, p: &Problem, rho: f64) {
+        if self.has_few_points(p) {
+            self.forces.clear();
+            self.points.iter().for_each(|point| self.forces.extend_from_slice(point.force.as_slice()));
+            self.factor.solve(&mut self.forces);
+            for (point, force) in self.points.iter_mut().zip(self.forces.chunks_exact(3)) {
+                point.force = Vector3::from_column_slice(force);
+            }
+            return;
+        }
         self.gather(|point| point.force);
         self.linear.apply(&self.matrix, &mut self.wrench);
         for (m, row) in self.motion.iter_mut().zip(p.w.chunks_exact(p.dim())) {
-            *m = row.iter().zip(&self.wrench).map(|(w, x)| w * x).sum();
+            *m = dot(row, &self.wrench);
         }
         for point in &mut self.points {
             let motion = motion_at(&self.motion[6 * point.sole..6 * point.sole + 6], &point.r);
@@ -404,9 +451,18 @@ impl PointForces {
         }
     }
 
-    /// Factorises `rho + A A^T W`.
+    /// Factorises `H + rho` or `rho + A A^T W`.
     fn factorize(&mut self, p: &Problem, rho: f64) {
         let n = p.dim();
+        if self.has_few_points(p) {
+            let size = 3 * self.points.len();
+            self.factor.set_order(size);
+            self.factor.entries.copy_from_slice(&self.response);
+            (0..size).for_each(|i| self.factor.entries[i * size + i] += rho);
+            // H is positive semidefinite up to rounding, far below rho.
+            self.factor.factorize();
+            return;
+        }
         self.matrix.fill(0.0);
         for s in 0..p.soles.len() {
             // A A^T is block diagonal: sum over the points of a sole of [1; r x] [1; r x]^T.

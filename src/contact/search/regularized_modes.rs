@@ -11,9 +11,10 @@ use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
 use crate::contact::search::candidate::CandidateSolver;
-use crate::contact::search::sliding_directions::{
-    DirectionFinder, DirectionSearch, SlipPoints, Slips, is_implicit, means, norm, open_vertices, read_slips,
-    set_directions, slip_point, soles_where, subtract, tangential,
+use crate::contact::search::sliding_directions::{DirectionFinder, DirectionSearch, is_implicit};
+use crate::contact::search::slips::{
+    SlipPoints, Slips, means, norm, open_vertices, read_slips, set_directions, slip_point, soles_where, subtract,
+    tangential,
 };
 use nalgebra::Vector3;
 

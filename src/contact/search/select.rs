@@ -44,7 +44,8 @@ use crate::contact::search::judge::{Assessment, MOST_ROUNDING, Rules, SUSPECT_FR
 use crate::contact::search::moves::Moves;
 use crate::contact::search::neighbour_screen::NeighbourScreen;
 use crate::contact::search::point_forces::PointForces;
-use crate::contact::search::sliding_directions::{self, DirectionFinder, Onset, Slips};
+use crate::contact::search::sliding_directions::{self, DirectionFinder, Onset};
+use crate::contact::search::slips::{self, Slips};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -314,7 +315,7 @@ impl Selector {
         for start in starts {
             // Vertices of a fixed step slide on in their direction.
             let slides = level == Level::Velocity && (0..task.p.soles.len()).any(|s| start[s].is_dynamic());
-            self.guess = slides.then(|| sliding_directions::slips_of_velocities(task.p, start));
+            self.guess = slides.then(|| slips::slips_of_velocities(task.p, start));
             if slides {
                 self.push_briefly(task, start)
             } else {
@@ -498,7 +499,7 @@ impl Selector {
         }
         let assessment = self.test(task.p, states, &task.rules, task.out);
         task.tested += 1;
-        let slips = sliding_directions::slips(task.p, states, &task.out.motion);
+        let slips = slips::slips(task.p, states, &task.out.motion);
         let entry = Entry {
             states: states.clone(),
             assessment,

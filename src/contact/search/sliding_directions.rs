@@ -14,28 +14,29 @@
 //! A single open direction is an angle, found by a scan over all angles.
 //! [`crate::contact::search::regularized_modes`] finds which vertices stick and which slip.
 
-use crate::contact::model::per_sole::{PerSole, SoleIndices};
+use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::{Solution, wrench_at};
 use crate::contact::model::state::{Mode, States};
 use crate::contact::search::candidate::CandidateSolver;
+use crate::contact::search::condensed::Condensed;
+use crate::contact::search::slips::{
+    AT_REST, SlipPoints, Slips, means, norm, only_open_vertex, open_vertices, read_slips, set_directions, shift_slips,
+    slip_point, slip_points, soles_where, subtract, tangential,
+};
 use crate::linalg::linear::Linear;
 use crate::math;
 use nalgebra::{Vector2, Vector3};
-
-/// Tangential motions of all soles: that of the mean of the clamped vertices, and the yaw motion
-/// times the radius.
-pub type Slips = PerSole<Vector3<f64>>;
 
 /// Slip, relative to the frictionless motion, up to which a load at its limit counts as not yet
 /// accelerating: the error of event location.
 const ONSET_SLIP: f64 = 1e-7;
 
-/// Slip of a vertex, relative to that of its sole, below which the vertex is at rest.
-const AT_REST: f64 = 1e-14;
-
 /// Tolerance of the residual, relative to the frictionless motion.
 const TOLERANCE: f64 = 1e-10;
+
+/// Difference of motions, relative to the frictionless one, up to which two solutions are the same.
+const SAME: f64 = 1e3 * TOLERANCE;
 
 /// Steps from one first guess, and from one that should be near.
 const ROUNDS: usize = 12;
@@ -79,6 +80,9 @@ pub struct DirectionFinder {
     /// Newton step, 3F.
     step: Vec<f64>,
     motion: Vec<f64>,
+    condensed: Condensed,
+    /// Size of the slips without friction in the last search.
+    drive: f64,
     /// Whether to try more than the first guesses, and for long.
     pub(super) thorough: bool,
 }
@@ -92,6 +96,8 @@ impl DirectionFinder {
             jacobian: vec![0.0; n * n],
             step: vec![0.0; n],
             motion: vec![0.0; p.dim()],
+            condensed: Condensed::new(p),
+            drive: 0.0,
             thorough: true,
         }
     }
@@ -165,11 +171,51 @@ impl DirectionFinder {
             solver.solve(p, states, out);
             return true;
         }
+        let mut condensed = std::mem::take(&mut self.condensed);
+        let is_condensed = condensed.condense(solver, p, states, out);
+        let result = is_condensed.then(|| self.find_condensed(&mut condensed, solver, p, states, which, hints, out));
+        self.condensed = condensed;
+        result.flatten().unwrap_or_else(|| self.search(solver, p, states, which, hints, out))
+    }
+
+    /// As [`search`](Self::search), on the condensed problem, and leaves the solution of the whole one. `None`
+    /// if that has another motion: the normal forces of sliding soles are indeterminate.
+    fn find_condensed(
+        &mut self,
+        condensed: &mut Condensed,
+        solver: &mut CandidateSolver,
+        p: &mut Problem,
+        states: &States,
+        which: &[usize],
+        hints: &[Slips],
+        out: &mut Solution,
+    ) -> Option<bool> {
+        condensed.exchange(p);
+        let found = self.search(solver, p, &condensed.loose, which, hints, out);
+        let slips = read_slips(p, states, which, &means(), &out.motion, true);
+        condensed.exchange(p);
+        solver.solve(p, states, out);
+        let whole = read_slips(p, states, which, &means(), &out.motion, true);
+        let is_same = norm(which, &subtract(which, &slips, &whole)) <= SAME * self.drive;
+        (!found || is_same).then_some(found)
+    }
+
+    /// Searches the directions of all open vertices, of the soles `which`.
+    fn search(
+        &mut self,
+        solver: &mut CandidateSolver,
+        p: &mut Problem,
+        states: &States,
+        which: &[usize],
+        hints: &[Slips],
+        out: &mut Solution,
+    ) -> bool {
         // The motion without friction on these vertices is the drive, and a first guess.
         set_directions(p, states, which, &means(), &Slips::default(), 0.0);
         solver.solve(p, states, out);
         let points = slip_points(p, states, which);
         let drive = read_slips(p, states, which, &points, &out.motion, true);
+        self.drive = norm(which, &drive);
         let mut search = DirectionSearch {
             finder: self,
             solver,
@@ -216,26 +262,6 @@ impl DirectionFinder {
         }
         false
     }
-}
-
-/// Clamped vertices of sole `s` whose sliding direction is undetermined.
-pub(super) fn open_vertices<'a>(p: &'a Problem, states: &'a States, s: usize) -> impl Iterator<Item = usize> + 'a {
-    let sole = &p.soles[s];
-    let k = sole.vertices.len();
-    (0..k).filter(move |&i| {
-        states[s].clamps(i, k) && states[s].mode != Mode::Pivoting(i as u8) && !sole.vertices[i].moving
-    })
-}
-
-/// The only such vertex; `None` if there is none or several.
-fn only_open_vertex(p: &Problem, states: &States, s: usize) -> Option<usize> {
-    let mut open = open_vertices(p, states, s);
-    open.next().filter(|_| open.next().is_none())
-}
-
-/// The soles for which `condition` holds.
-pub(super) fn soles_where(p: &Problem, condition: impl Fn(usize) -> bool) -> SoleIndices {
-    (0..p.soles.len()).filter(|&s| condition(s)).collect()
 }
 
 /// Search for the directions of one candidate.
@@ -413,144 +439,5 @@ impl DirectionSearch<'_> {
             step[s] = Vector3::new(b[3 * r], b[3 * r + 1], b[3 * r + 2]);
         }
         step
-    }
-}
-
-pub(super) fn norm(which: &[usize], s: &Slips) -> f64 {
-    which.iter().map(|&i| s[i].norm_squared()).sum::<f64>().sqrt()
-}
-
-pub(super) fn subtract(which: &[usize], a: &Slips, b: &Slips) -> Slips {
-    let mut d = Slips::default();
-    which.iter().for_each(|&s| d[s] = a[s] - b[s]);
-    d
-}
-
-/// Point at which the slip of each sole is measured: the mean of its clamped vertices, or one of
-/// them.
-///
-/// Motions of other points contain rotations that the pattern leaves free and that no friction
-/// opposes. A vertex that hardly moves while its sole turns must be the point itself; otherwise
-/// rounding of the others' motion hides its own.
-pub type SlipPoints = PerSole<Option<u8>>;
-
-/// The mean of the clamped vertices for every sole.
-pub(super) fn means() -> SlipPoints {
-    SlipPoints::default()
-}
-
-/// Slip points of a candidate: the only vertex with an undetermined direction, or the mean.
-fn slip_points(p: &Problem, states: &States, which: &[usize]) -> SlipPoints {
-    let mut points = means();
-    which.iter().for_each(|&s| points[s] = only_open_vertex(p, states, s).map(|i| i as u8));
-    points
-}
-
-/// Converts slips measured at the means to slips at `points`.
-fn shift_slips(p: &Problem, states: &States, which: &[usize], points: &SlipPoints, slips: &Slips) -> Slips {
-    let mut moved = slips.clone();
-    for &s in which.iter().filter(|&&s| slips[s] != Vector3::zeros()) {
-        let (from, to) = (slip_point(p, states, s, None), slip_point(p, states, s, points[s]));
-        let t = tangential(&slips[s], &to.0, &from.0, p.soles[s].radius) + (to.1 - from.1).xy();
-        moved[s] = Vector3::new(t.x, t.y, slips[s].z);
-    }
-    moved
-}
-
-/// Position of a slip point relative to the reference point, and its centripetal term.
-pub(super) fn slip_point(p: &Problem, states: &States, s: usize, at: Option<u8>) -> (Vector3<f64>, Vector3<f64>) {
-    let sole = &p.soles[s];
-    if let Some(i) = at {
-        let v = &sole.vertices[i as usize];
-        return (v.r, v.bias);
-    }
-    let k = sole.vertices.len();
-    let (mut r, mut bias, mut count) = (Vector3::zeros(), Vector3::zeros(), 0.0);
-    for (_, v) in sole.vertices.iter().enumerate().filter(|(i, _)| states[s].clamps(*i, k)) {
-        r += v.r;
-        bias += v.bias;
-        count += 1.0;
-    }
-    (r / count, bias / count)
-}
-
-/// Tangential motion of a vertex at `r` under the slip of its sole, measured at `centre`.
-pub(super) fn tangential(slip: &Vector3<f64>, r: &Vector3<f64>, centre: &Vector3<f64>, radius: f64) -> Vector2<f64> {
-    let d = r - centre;
-    slip.xy() + Vector2::new(-d.y, d.x) * (slip.z / radius)
-}
-
-/// Slips of the sliding soles under the sole motions `motion` (6F).
-pub fn slips(p: &Problem, states: &States, motion: &[f64]) -> Slips {
-    let which = soles_where(p, |s| states[s].is_dynamic());
-    read_slips(p, states, &which, &means(), motion, true)
-}
-
-/// Slips of the sliding soles with the present velocities of their vertices.
-pub fn slips_of_velocities(p: &Problem, states: &States) -> Slips {
-    let mut slips = Slips::default();
-    for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| states[*s].is_dynamic()) {
-        let k = sole.vertices.len();
-        let centre = slip_point(p, states, s, None).0;
-        let (mut mean, mut turn, mut spread, mut count) = (Vector2::zeros(), 0.0, 0.0, 0.0);
-        for v in sole.vertices.iter().enumerate().filter(|(i, _)| states[s].clamps(*i, k)).map(|(_, v)| v) {
-            let d = (v.r - centre).xy();
-            mean += v.velocity.xy();
-            turn += d.perp(&v.velocity.xy());
-            spread += d.norm_squared();
-            count += 1.0;
-        }
-        let turn = if spread > 0.0 { turn / spread * sole.radius } else { 0.0 };
-        slips[s] = Vector3::new(mean.x / count, mean.y / count, turn);
-    }
-    slips
-}
-
-/// Slips of the sole motions `motion` (6F). With `whole` false `motion` is a change of motion,
-/// without centripetal part.
-pub(super) fn read_slips(
-    p: &Problem,
-    states: &States,
-    which: &[usize],
-    points: &SlipPoints,
-    motion: &[f64],
-    whole: bool,
-) -> Slips {
-    let mut slips = Slips::default();
-    for &s in which {
-        let sole = &p.soles[s];
-        let m = &motion[6 * s..6 * s + 6];
-        let (linear, angular) = (Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
-        let (at, bias) = slip_point(p, states, s, points[s]);
-        let t = linear + angular.cross(&at) + if whole { bias } else { Vector3::zeros() };
-        // A single vertex turns without friction.
-        let turn = if states[s].normal_rows() > 1 { m[5] * sole.radius } else { 0.0 };
-        slips[s] = Vector3::new(t.x, t.y, turn);
-    }
-    slips
-}
-
-/// Sets the undetermined directions from the slips; a vertex at rest gets none.
-pub(super) fn set_directions(
-    p: &mut Problem,
-    states: &States,
-    which: &[usize],
-    points: &SlipPoints,
-    slips: &Slips,
-    viscosity: f64,
-) {
-    for &s in which {
-        let centre = slip_point(p, states, s, points[s]).0;
-        let sole = &mut p.soles[s];
-        let (k, radius) = (sole.vertices.len(), sole.radius);
-        let slip = &slips[s];
-        for (i, v) in sole.vertices.iter_mut().enumerate().filter(|(i, v)| states[s].clamps(*i, k) && !v.moving) {
-            if states[s].mode == Mode::Pivoting(i as u8) {
-                continue;
-            }
-            let t = tangential(slip, &v.r, &centre, radius);
-            let speed = math::hypot(t.norm(), viscosity);
-            v.direction = if speed > AT_REST * slip.norm() { t / speed } else { Vector2::zeros() };
-        }
     }
 }

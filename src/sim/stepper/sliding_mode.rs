@@ -20,7 +20,8 @@
 //! y is O(h^3), in units of the motion some |e|^(3/2). The size is chosen so that this meets the
 //! tolerances of the integrator. The energy flows are extrapolated likewise. A step that contains an
 //! impact misses the tolerances at any size: the shortest is then accepted with y = y2, as a
-//! combination across a jump of velocities would not conserve energy. Then the drift of clamped
+//! combination across a jump of velocities would not conserve energy. Where bodies rattle, every step
+//! contains impacts, and the shortest size grows: smaller steps would not be more accurate. Then the drift of clamped
 //! vertices is removed, as after every step.
 //!
 //! The run also advances so where the direct search finds no valid state at an instant, instead of
@@ -56,6 +57,9 @@ const STAYS_WITHOUT_STATE: (f64, f64) = (1e-4, 2e-2);
 const STAYS_OF_CREEP: (f64, f64) = (2e-2, 0.5);
 /// Size of the first velocity-level step, s.
 const FIRST_STEP: f64 = 2e-5;
+/// Shortest steps in a row that may miss the tolerances, and the greatest size, s, of the shortest.
+const MISSES: usize = 8;
+const LONGEST_LEAST: f64 = 1e-4;
 /// Size of fixed-step integrators' velocity-level steps, relative to their step.
 const OF_FIXED: f64 = 0.1;
 
@@ -78,6 +82,9 @@ pub struct SlidingMode {
     /// Size of the next step, s, and its control.
     h: f64,
     control: StepControl,
+    /// Size of the shortest step, s, and steps of that size in a row that have missed the tolerances.
+    least: f64,
+    misses: usize,
     /// The integrator's vector at the start of a step, after one step, and after two halves.
     start: Vec<f64>,
     whole: Vec<f64>,
@@ -106,6 +113,8 @@ impl SlidingMode {
             passed: f64::NEG_INFINITY,
             h: FIRST_STEP,
             control: StepControl::new(2),
+            least: Self::SHORTEST,
+            misses: 0,
             start: vec![0.0; n],
             whole: vec![0.0; n],
             halves: vec![0.0; n],
@@ -177,6 +186,7 @@ impl SlidingMode {
         self.stay = if t < self.passed { (2.0 * self.stay).clamp(first, longest) } else { first };
         (self.is_active, self.since, self.trial, self.h) = (true, t, t + self.stay, FIRST_STEP);
         self.control = StepControl::new(2);
+        (self.misses, self.least) = (0, Self::SHORTEST);
     }
 
     /// Ends the mode: chooses states for located events.
@@ -242,9 +252,10 @@ impl SlidingMode {
                 }
                 StepSize::Fixed(_) => (0.0, 1.0),
             };
-            if error <= 1.0 || h <= Self::SHORTEST {
+            if error <= 1.0 || h <= self.least {
+                self.adapt_least(error);
                 if h < remaining || factor < 1.0 {
-                    self.h = (h * factor).max(Self::SHORTEST);
+                    self.h = (h * factor).max(self.least);
                 }
                 if error <= 1.0 {
                     self.halves.iter_mut().zip(&self.whole).for_each(|(y, whole)| *y = 2.0 * *y - whole);
@@ -255,7 +266,7 @@ impl SlidingMode {
             sim.metrics.rejected_steps += 1;
             most = 1.0;
             self.restore(sim, t0, jumps, &states);
-            h = (h * factor).max(Self::SHORTEST);
+            h = (h * factor).max(self.least);
         };
         sim.energy.jump_work = jumps + jump;
         let t1 = if h == remaining { end } else { t0 + h };
@@ -279,6 +290,19 @@ impl SlidingMode {
         sim.measure_step();
         sim.sampler.as_mut().map_or(Ok(()), |sampler| sampler.sample_step(&sim.plant, observer))?;
         Ok(t1 >= self.trial || self.only_creep && !sim.slides_up_to(2.0 * CREEP))
+    }
+
+    /// Doubles the shortest size after [`MISSES`] steps in a row that have missed the tolerances, and halves it
+    /// after one that has met them.
+    fn adapt_least(&mut self, error: f64) {
+        if error <= 1.0 {
+            (self.misses, self.least) = (0, (0.5 * self.least).max(Self::SHORTEST));
+            return;
+        }
+        self.misses += 1;
+        if self.misses == MISSES {
+            (self.misses, self.least) = (0, (2.0 * self.least).min(LONGEST_LEAST));
+        }
     }
 
     /// One velocity-level step of size `h` to the time `end`, with its contact states and without

@@ -7,7 +7,7 @@ use crate::contact::model::state::States;
 use crate::contact::search::judge::Assessment;
 use crate::contact::search::load_split::LoadSplit;
 use crate::contact::search::point_forces::{LEAST_SLIPS, SLIPS};
-use crate::contact::search::sliding_directions;
+use crate::contact::search::slips;
 use nalgebra::{Vector2, Vector3};
 
 /// Candidates tested near each solution of the contact problem.
@@ -211,7 +211,7 @@ impl Selector {
     /// Tests states that the solved contact problem indicates, with its slips.
     fn push_solution(&mut self, task: &mut Task, states: &States, briefly: bool) {
         if !self.has_tried_enough(task) && (0..task.p.soles.len()).all(|s| (task.allowed)(s, states[s])) {
-            self.guess = Some(sliding_directions::slips(task.p, states, self.points.motion(task.p)));
+            self.guess = Some(slips::slips(task.p, states, self.points.motion(task.p)));
             if briefly {
                 self.push_briefly(task, states);
             } else {
