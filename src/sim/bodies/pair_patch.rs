@@ -116,12 +116,17 @@ impl Part {
     /// Whether both have corners in one plane of their common body A with the world.
     fn has_plane_of(&self, other: &Part) -> bool {
         let fixed = self.pair.links.1.is_none() && other.pair.links.1.is_none();
-        let (n, m) = (self.geometry.axes.column(2), other.geometry.axes.column(2));
-        let (Some(p), Some(q)) = (self.geometry.points.first(), other.geometry.points.first()) else { return false };
-        fixed
-            && self.pair.bodies.0 == other.pair.bodies.0
-            && (n - m).norm() < COPLANAR
-            && n.dot(&(p.position - n * p.gap - q.position + m * q.gap)).abs() < COPLANAR
+        let (Some(plane), Some(others)) = (self.plane(), other.plane()) else { return false };
+        fixed && self.pair.bodies.0 == other.pair.bodies.0 && is_one_plane(&plane, &others)
+    }
+
+    /// Normal, from B into A, and offset, m, of its plane; `None` without corners.
+    fn plane(&self) -> Option<(Vector3<f64>, f64)> {
+        let point = self.geometry.points.first()?;
+        let n: Vector3<f64> = self.geometry.axes.column(2).into();
+        // Corners lie on the body that does not own the plane.
+        let gap = if matches!(self.topology.owner, Owner::FaceOfA(_)) { -point.gap } else { point.gap };
+        Some((n, n.dot(&point.position) - gap))
     }
 
     /// Whether both have corners in one plane fixed to the world or to their common body A, and faces of A and of
