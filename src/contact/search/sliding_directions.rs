@@ -178,8 +178,8 @@ impl DirectionFinder {
         result.flatten().unwrap_or_else(|| self.search(solver, p, states, which, hints, out))
     }
 
-    /// As [`search`](Self::search), on the condensed problem, and leaves the solution of the whole one. `None`
-    /// if that has another motion: the normal forces of sliding soles are indeterminate.
+    /// As [`search`](Self::search), on the condensed problem, and from there on the whole one. `None` if that has
+    /// another motion: the normal forces of sliding soles are indeterminate.
     fn find_condensed(
         &mut self,
         condensed: &mut Condensed,
@@ -192,12 +192,18 @@ impl DirectionFinder {
     ) -> Option<bool> {
         condensed.exchange(p);
         let found = self.search(solver, p, &condensed.loose, which, hints, out);
-        let slips = read_slips(p, states, which, &means(), &out.motion, true);
+        let points = slip_points(p, states, which);
+        let slips = read_slips(p, states, which, &points, &out.motion, true);
         condensed.exchange(p);
-        solver.solve(p, states, out);
-        let whole = read_slips(p, states, which, &means(), &out.motion, true);
-        let is_same = norm(which, &subtract(which, &slips, &whole)) <= SAME * self.drive;
-        (!found || is_same).then_some(found)
+        if !found {
+            solver.solve(p, states, out);
+            return Some(false);
+        }
+        let drive = self.drive;
+        let mut search = DirectionSearch { finder: self, solver, p, states, which, points, drive, viscosity: 0.0 };
+        let image = search.evaluate(&slips, out);
+        let is_same = norm(which, &subtract(which, &slips, &image)) <= SAME * drive;
+        (is_same && search.iterate(slips, FEW_ROUNDS, out)).then_some(true)
     }
 
     /// Searches the directions of all open vertices, of the soles `which`.

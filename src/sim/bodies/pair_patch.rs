@@ -115,9 +115,14 @@ impl Part {
 
     /// Whether both have corners in one plane of their common body A with the world.
     fn has_plane_of(&self, other: &Part) -> bool {
-        let fixed = self.pair.links.1.is_none() && other.pair.links.1.is_none();
         let (Some(plane), Some(others)) = (self.plane(), other.plane()) else { return false };
-        fixed && self.pair.bodies.0 == other.pair.bodies.0 && is_one_plane(&plane, &others)
+        self.is_of_one_body(other) && is_one_plane(&plane, &others)
+    }
+
+    /// Whether both are of one body A with the world.
+    fn is_of_one_body(&self, other: &Part) -> bool {
+        let fixed = self.pair.links.1.is_none() && other.pair.links.1.is_none();
+        fixed && self.pair.bodies.0 == other.pair.bodies.0
     }
 
     /// Normal, from B into A, and offset, m, of its plane; `None` without corners.
@@ -311,8 +316,13 @@ impl PairPatch {
         let ((p, c), (q, d)) = (self.vertices[i], former.vertices[k]);
         let (part, old) = (&self.parts[p], &former.parts[q]);
         let (corner, before) = (part.topology.corners[c], old.topology.corners[d]);
-        // A corner of A is one in whatever pieces of terrain it touches.
-        corner == before && (matches!(corner, Corner::A(_)) || part.pair.bodies == old.pair.bodies)
+        if part.pair.bodies == old.pair.bodies {
+            return corner == before;
+        }
+        // A corner of A is one in whatever pieces of terrain it touches; others may be points that pieces share.
+        let is_corner = matches!(corner, Corner::A(_)) && corner == before;
+        let is_shared = part.is_of_one_body(old) && part.pair.friction == old.pair.friction;
+        is_corner || is_shared && (self.point(i).position - former.point(k).position).norm() <= SAME_POINT
     }
 
     /// Whether a former patch has a pair of this one.

@@ -103,7 +103,15 @@ impl RunState {
             }
         }
         for mut patch in pairs.unwrap_or_else(|| plant.pair_patches().cloned().collect()) {
-            let former = plant.pair_patches().enumerate().find(|(_, former)| patch.continues(former));
+            let mut formers = plant.pair_patches().enumerate();
+            let first = formers.find(|(_, former)| patch.continues(former));
+            // Of patches that become one, the first that carries.
+            let carries = |(at, former): &(usize, &PairPatch)| {
+                let (state, k) = (plant.states[former_pairs + at], former.len());
+                (0..k).any(|v| state.clamps(v, k) && (0..patch.len()).any(|i| patch.is_vertex_of(i, former, v)))
+            };
+            let former =
+                first.into_iter().chain(formers.filter(|(_, former)| patch.continues(former))).find(carries).or(first);
             origins.push(former.map(|(at, former)| {
                 let same = |i: usize| (0..former.len()).find(|k| patch.is_vertex_of(i, former, *k));
                 let vertices: Vec<Option<usize>> = (0..patch.len()).map(same).collect();

@@ -22,7 +22,12 @@ fn combinations(p: &Problem) -> (usize, SmallVec<[usize; INLINE]>) {
 
 /// Candidates after which a search through all states ends. Few combinations bound it themselves.
 fn most_tested(p: &Problem) -> usize {
-    if combinations(p).0 > ENUMERABLE { MOST } else { usize::MAX }
+    if can_enumerate(p) { usize::MAX } else { MOST }
+}
+
+/// Whether all combinations can be tried.
+pub(super) fn can_enumerate(p: &Problem) -> bool {
+    combinations(p).0 <= ENUMERABLE
 }
 
 impl Selector {

@@ -1,6 +1,6 @@
 //! Candidates that the contact problem solved with every vertex as a point suggests.
 
-use super::{Selector, Task};
+use super::{Selector, Task, all_states};
 use crate::contact::model::problem::{Level, Problem, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::States;
@@ -81,9 +81,12 @@ impl Selector {
 
     /// The point solution of a fixed step or of an impact, and its states, if it is accurate: it obeys
     /// the contact laws at every vertex, whatever the states that tests found invalid. An impact with a
-    /// rebound needs a state, whose restitution is that of the whole sole.
+    /// rebound needs a state, whose restitution is that of the whole sole. Where an impact has more states
+    /// than can be tried, a less accurate solution is taken: what it leaves of the approach is another impact.
     pub(super) fn point_solution(&mut self, task: &mut Task) -> Option<States> {
-        if !self.has_point_solution(task) {
+        let is_impact = task.p.step == 0.0;
+        let accuracy = if is_impact && !all_states::can_enumerate(task.p) { TAKEN_LAST } else { SOLVED };
+        if !self.is_posed(task) || self.points.residual() > accuracy {
             return None;
         }
         let states = self.take_points(task.p, task.out, LEAST_SLIPS);
@@ -132,12 +135,16 @@ impl Selector {
         }
     }
 
-    /// Whether [`point_solution`](Self::point_solution) may be taken. A trial of jams wants a state.
-    fn has_point_solution(&self, task: &Task) -> bool {
+    /// Whether a point solution may take the place of a state. A trial of jams wants a state.
+    fn is_posed(&self, task: &Task) -> bool {
         let p = &task.p;
         let rebounds = || p.soles.iter().any(|sole| sole.target != Vector3::zeros());
-        let posed = p.level == Level::Velocity && (p.step > 0.0 || task.rules.exhaustive && !rebounds());
-        posed && self.points.residual() <= SOLVED
+        p.level == Level::Velocity && (p.step > 0.0 || task.rules.exhaustive && !rebounds())
+    }
+
+    /// Whether there is such a solution of full accuracy.
+    fn has_point_solution(&self, task: &Task) -> bool {
+        self.is_posed(task) && self.points.residual() <= SOLVED
     }
 
     /// Whether enough candidates were tested where the run can continue without a valid state.
@@ -229,7 +236,8 @@ impl Selector {
         let Assessment { faults, levels, .. } = &entry.assessment;
         let fails = |s: usize| states[s].is_static() && (faults[s].pulling || faults[s].friction);
         let p = &*task.p;
-        if levels[0] > 0.0 || !LoadSplit::may_apply(p, states) || !(0..p.soles.len()).any(fails) {
+        let applies = levels[0] == 0.0 && LoadSplit::may_apply(p, states) && (0..p.soles.len()).any(fails);
+        if !applies || self.has_tried_enough(task) {
             return;
         }
         self.solver.split.set(p, states, self.points.forces());
