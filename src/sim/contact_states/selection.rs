@@ -130,9 +130,20 @@ impl RunState {
             }
         }
         self.suspect.fill(0);
-        self.follow_states();
+        if self.follow_states() && self.deferral != Deferral::Due {
+            self.choose_split(observer)?;
+        }
         self.plant.evaluate();
         Ok(())
+    }
+
+    /// Confirms the states after patches have followed them: an indeterminate load may need its split again.
+    fn choose_split(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        self.plant.evaluate_free();
+        self.plant.update_directions();
+        let selection = self.select(false, observer)?;
+        self.count(&selection);
+        if selection.consistent { self.adopt(selection.states, observer) } else { Ok(()) }
     }
 
     /// As [`choose_states`](Self::choose_states), with vertices slower than `speed` (m/s) set to
