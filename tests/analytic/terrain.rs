@@ -4,6 +4,7 @@ use super::body::G;
 use super::support::{finish, root, simulation};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::fmt::Write;
+use stiction::Scenario;
 use stiction::sim::{Metrics, NullObserver, Simulation};
 
 const TIGHT: &str = "integrator = { relative_tolerance = 1e-10, absolute_tolerance = 1e-12 }
@@ -234,5 +235,57 @@ fn a_robot_that_falls_on_rubble_does_not_sink_in() {
         assert!(m.max_penetration_m < 1e-8 && m.inconsistent == 0, "{duration}: {}", m.max_penetration_m);
         // Energies are not under error control: 3e-7 J here.
         assert!(m.impacts > 5 && m.energy_error_j.abs() < 1e-5, "{duration}: {} J", m.energy_error_j);
+    }
+}
+
+/// A level box whose lower side touches the peak of a height field, on which six triangles meet, at a distance d
+/// from below its centre of mass. The peak does not slip, so that the box turns about it:
+///
+/// ```text
+/// alpha = m g d / (I + m (d^2 + c^2))     N = m (g - alpha d)     T = m alpha c
+/// ```
+///
+/// with its half height c, I about the axis through the centre of mass.
+#[test]
+fn a_box_meets_a_peak_of_a_height_field_once() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("peak.csv"), "0,0,0\n0,0.25,0\n0,0,0\n").unwrap();
+    let file = folder.path().join("peak.csv").display().to_string();
+    let (mass, d, c) = (2.0, 0.03125, 0.0625);
+    let mut sim = simulation(&format!(
+        "{TIGHT}duration = 0.02
+        floor.friction = 0.9
+        robot = {{ model = \"robots/ground/ground.urdf\" }}
+        terrain = [{{ type = \"heightfield\", file = {file:?}, size = [2.0, 2.0] }}]
+        object = [{{ type = \"box\", size = [0.5, 0.25, 0.125], mass = {mass}, position = [{d}, 0, 0.3125] }}]"
+    ));
+    sim.begin(&mut NullObserver).unwrap();
+    let loads: Vec<f64> = sim.plant().solution.normal.iter().flatten().copied().filter(|n| *n != 0.0).collect();
+    let inertia = mass / 12.0 * (0.5 * 0.5 + 0.125 * 0.125);
+    let alpha = mass * G * d / (inertia + mass * (d * d + c * c));
+    assert_eq!(loads.len(), 1, "{loads:?}");
+    // Rounding.
+    assert!((loads[0] - mass * (G - alpha * d)).abs() < 1e-11, "{loads:?}");
+    let m = finish(&mut sim, &mut NullObserver);
+    let turned = sim.plant().objects.list[0].state.rotation.angle();
+    // The turn is alpha t^2 / 2 up to the fourth order of t; the energy is that of the integrator.
+    assert!((turned / (0.5 * alpha * 4e-4) - 1.0).abs() < 1e-2, "{turned}");
+    assert!(m.max_penetration_m < 1e-9 && m.energy_error_j.abs() < 1e-10 && m.inconsistent == 0, "{m:?}");
+}
+
+/// Two falls of `scenarios/studies/falls.toml`, whose contacts creep ever slower, at their limits of friction. The
+/// runs ended as stalled, as errors of the steps stopped contacts and turned them round thousands of times.
+#[test]
+fn robots_that_creep_come_to_rest() {
+    let study = Scenario::load(root().join("scenarios/studies/falls.toml")).unwrap();
+    let falls = study.set("seed", 1).set("sweep.random.samples", 12).runs().unwrap();
+    for i in [5, 6] {
+        let mut sim = falls[i].simulation().unwrap();
+        let m = finish(&mut sim, &mut NullObserver);
+        let speed = sim.plant().each_velocity().fold(0.0, |most: f64, v| most.max(v.abs()));
+        assert!(m.sliding_mode_s > 0.5 && speed < 1e-9, "{i}: {} s, {speed}", m.sliding_mode_s);
+        assert!(m.max_penetration_m < 1e-9 && m.max_cone_excess < 1e-9 && m.inconsistent == 0, "{i}: {m:?}");
+        // Drift that each step of the mode leaves, some 1e-9 m, is removed against the load: 1e-5 W.
+        assert!(m.energy_error_j.abs() < 1e-4, "{i}: {} J", m.energy_error_j);
     }
 }

@@ -5,9 +5,13 @@
 //! excludes the pattern that the vertices as points suggest, or impulses are tiny. The search through
 //! all states needed 10 to 4600 candidates for them, once without success.
 
+use nalgebra::Vector2;
 use serde::Deserialize;
 use stiction::contact::model::problem::{Level, Problem};
-use stiction::contact::model::state::{Pattern, SoleState};
+use stiction::contact::model::solution::Solution;
+use stiction::contact::model::state::{Pattern, SoleState, States};
+use stiction::contact::search::candidate::CandidateSolver;
+use stiction::contact::search::condensed::Condensed;
 use stiction::contact::search::point_forces::PointForces;
 use stiction::contact::selection_record::{SelectionRecord, SelectionResult};
 
@@ -30,7 +34,7 @@ fn violation(p: &Problem, answer: &SelectionResult) -> f64 {
     for (s, i) in p.vertex_indices() {
         let (v, sole) = (&p.soles[s].vertices[i], &answer.states[s]);
         let m = p.vertex_motion(&answer.motion, s, i);
-        let (n, t) = (answer.normal[s][i], nalgebra::Vector2::from(answer.tangent[s][i]));
+        let (n, t) = (answer.normal[s][i], Vector2::from(answer.tangent[s][i]));
         let target = if p.level == Level::Velocity { p.soles[s].vertex_target(i) } else { 0.0 };
         let short = if v.near { (target - m.z) / drive } else { 0.0 };
         let product = n * (m.z - target) / (load * drive);
@@ -97,4 +101,64 @@ fn parts_of_a_loaded_face_are_edges_then_vertices() {
     let vertices = &parts[edges..];
     assert!(edges > 0 && vertices.iter().all(|state| matches!(state.pattern, Pattern::Vertex(_))), "{parts:?}");
     assert!(!parts.contains(&SoleState::FREE));
+}
+
+/// Points that are fewer than the numbers of the soles are solved with their own matrix.
+#[test]
+fn few_points_obey_the_laws() {
+    for Recorded { run, selection } in recorded() {
+        let mut p = selection.problem().expect("it was written as a problem");
+        p.soles.iter_mut().flat_map(|sole| &mut sole.vertices).for_each(|v| v.mu_k = v.mu_s);
+        let mut points = PointForces::new(&p);
+        let residual = points.solve(&p, |_, i| i == 0);
+        assert!(residual < 1e-9, "{run}: {residual:e}");
+        let motion = points.motion(&p).to_vec();
+        let forces: Vec<_> = points.forces().collect();
+        assert_eq!(forces.len(), p.soles.len());
+        let load = forces.iter().map(|(.., f)| f.norm()).fold(f64::MIN_POSITIVE, f64::max);
+        let drive = p.vertex_indices().map(|(s, i)| p.vertex_motion(&p.b, s, i).norm()).fold(0.0, f64::max);
+        for (s, i, f) in forces {
+            let (v, m) = (&p.soles[s].vertices[i], p.vertex_motion(&motion, s, i));
+            let target = if p.level == Level::Velocity { p.soles[s].vertex_target(i) } else { 0.0 };
+            let gap = (m.z - target) / drive;
+            let slip = if v.moving { v.direction } else { m.xy().try_normalize(1e-6 * drive).unwrap_or_default() };
+            let slides = f.xy() + slip * (v.mu_s * f.z);
+            let excess = if slip.norm() > 0.0 { slides.norm() } else { f.xy().norm() - v.mu_s * f.z };
+            // The residual, which the directions of slow slips magnify.
+            assert!(f.z >= 0.0 && gap > -1e-8 && f.z * gap < 1e-8 * load, "{run}: {f} {gap:e}");
+            assert!(excess < 1e-6 * load, "{run}: {f} {m}");
+        }
+    }
+}
+
+/// The sliding soles of a problem condensed by its static ones move as in the whole.
+#[test]
+fn condensed_problems_have_the_motions_of_the_whole() {
+    let mut count = 0;
+    for Recorded { run, selection } in recorded() {
+        let mut p = selection.problem().expect("it was written as a problem");
+        for (i, v) in p.soles.iter_mut().flat_map(|sole| &mut sole.vertices).enumerate() {
+            v.direction = Vector2::new((i as f64).cos(), (i as f64).sin());
+        }
+        for held in [Pattern::Face, Pattern::Edge(1), Pattern::Vertex(2)] {
+            let mut states = States::default();
+            states[0] = SoleState::fixed(held);
+            states[1] = SoleState::sliding(Pattern::Edge(0));
+            let (mut solver, mut out, mut whole) = (CandidateSolver::new(&p), Solution::new(&p), Solution::new(&p));
+            solver.solve(&p, &states, &mut whole);
+            let mut condensed = Condensed::new(&p);
+            assert!(condensed.condense(&mut solver, &p, &states, &mut out));
+            condensed.exchange(&mut p);
+            solver.solve(&p, &condensed.loose, &mut out);
+            condensed.exchange(&mut p);
+            let change = (6..12).map(|i| (out.motion[i] - whole.motion[i]).abs()).fold(0.0, f64::max);
+            let size = p.b.iter().map(|b| b.abs()).fold(0.0, f64::max);
+            // Rounding, times the ratio of the responses without and with the static sole.
+            assert!(change < 1e-9 * size, "{run}: {change:e} of {size:e}");
+            count += 1;
+        }
+        let states = States::default();
+        assert!(!Condensed::new(&p).condense(&mut CandidateSolver::new(&p), &p, &states, &mut Solution::new(&p)));
+    }
+    assert!(count > 20);
 }

@@ -35,7 +35,8 @@
 //! ```
 //!
 //! with D the greatest tangential response of the point to its own force and K its normal response,
-//! for a moving one to `(-mu_k u, 1)`. The residual is that of f = P_K(f - z / rho).
+//! for a moving one to `(-mu_k u, 1)`. The residual is that of f = P_K(f - z / rho). If the visits do not end
+//! either, both are repeated once from the best of their forces.
 //!
 //! The result names states to be tested; the accuracy of their forces is that of the candidate
 //! solve. A vertex in motion has mu_k. One at rest has mu_s, and mu_k once it slips.
@@ -81,6 +82,8 @@ struct Point {
     dual: Vector3<f64>,
     /// x before the iteration.
     before: Vector3<f64>,
+    /// y of the best visit.
+    best: Vector3<f64>,
     /// K and D of the visits.
     normal: f64,
     tangential: f64,
@@ -129,6 +132,9 @@ pub struct PointForces {
     is_visiting: bool,
     iterations: usize,
     residual: f64,
+    /// The least residual of all visits, and whether they have ended once.
+    best: f64,
+    has_visited: bool,
     is_done: bool,
 }
 
@@ -150,6 +156,8 @@ impl PointForces {
             is_visiting: false,
             iterations: 0,
             residual: 0.0,
+            best: f64::INFINITY,
+            has_visited: false,
             is_done: true,
         }
     }
@@ -190,12 +198,13 @@ impl PointForces {
                 split,
                 dual: zero,
                 before: zero,
+                best: zero,
                 normal: 0.0,
                 tangential: 0.0,
             });
         }
-        (self.is_visiting, self.iterations) = (false, 0);
-        self.is_done = self.points.is_empty();
+        (self.is_visiting, self.iterations, self.has_visited) = (false, 0, false);
+        (self.best, self.is_done) = (f64::INFINITY, self.points.is_empty());
         self.residual = if self.is_done { 0.0 } else { f64::INFINITY };
         if self.is_done {
             return;
@@ -263,11 +272,35 @@ impl PointForces {
             if self.residual < ACCURATE {
                 self.is_done = !self.let_slip(p);
             } else if self.is_visiting {
-                self.is_done |= self.iterations == VISITS;
+                self.keep_best();
+                if self.iterations == VISITS {
+                    self.restore_best(p);
+                    self.is_done = self.has_visited;
+                    (self.is_visiting, self.iterations, self.has_visited) = (self.is_done, 0, true);
+                    self.acceleration.restart();
+                }
             } else if self.iterations == ITERATIONS {
                 // A jamming vertex has no solution to which visits could converge.
                 self.is_done = !self.begin_visits(p);
             }
+        }
+    }
+
+    /// Keeps the forces if no visit has come nearer to the laws.
+    fn keep_best(&mut self) {
+        if self.residual < self.best {
+            self.best = self.residual;
+            self.points.iter_mut().for_each(|point| point.best = point.split);
+        }
+    }
+
+    /// Returns to the best forces of all visits: close to a jam they do not settle.
+    fn restore_best(&mut self, p: &Problem) {
+        if self.best < self.residual {
+            self.residual = self.best;
+            self.points.iter_mut().for_each(|point| point.split = point.best);
+            self.motion(p);
+            self.set_duals(p);
         }
     }
 
@@ -284,8 +317,8 @@ impl PointForces {
             }
         }
         if changed {
-            (self.is_visiting, self.iterations, self.is_done) = (false, 0, false);
-            self.residual = f64::INFINITY;
+            (self.is_visiting, self.iterations, self.has_visited, self.is_done) = (false, 0, false, false);
+            (self.residual, self.best) = (f64::INFINITY, f64::INFINITY);
         }
         self.acceleration.restart();
         changed
@@ -306,7 +339,7 @@ impl PointForces {
         self.gather(|point| point.split);
         let rows = p.w.chunks_exact(p.dim());
         for ((m, b), row) in self.motion.iter_mut().zip(&p.b).zip(rows) {
-            *m = b + dot(row, &self.wrench);
+            *m = b + row.iter().zip(&self.wrench).map(|(w, x)| w * x).sum::<f64>();
         }
         &self.motion
     }
@@ -385,7 +418,7 @@ impl PointForces {
         self.gather(|point| point.force);
         self.linear.apply(&self.matrix, &mut self.wrench);
         for (m, row) in self.motion.iter_mut().zip(p.w.chunks_exact(p.dim())) {
-            *m = dot(row, &self.wrench);
+            *m = row.iter().zip(&self.wrench).map(|(w, x)| w * x).sum();
         }
         for point in &mut self.points {
             let motion = motion_at(&self.motion[6 * point.sole..6 * point.sole + 6], &point.r);

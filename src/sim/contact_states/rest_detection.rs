@@ -10,6 +10,9 @@ const MISS: f64 = 0.1;
 /// Acceleration, relative to gravity, above which it may be due to friction.
 const QUICK: f64 = 0.05;
 
+/// Velocities, m/s or rad/s, relative to those of sliding vertices, up to which everything creeps.
+const MOVES: f64 = 100.0;
+
 impl RunState {
     /// Does a sole slide?
     pub(in crate::sim) fn is_sliding(&self) -> bool {
@@ -25,13 +28,15 @@ impl RunState {
         })
     }
 
-    /// Whether no vertex slides faster than `speed`, m/s.
-    pub(in crate::sim) fn slides_up_to(&self, speed: f64) -> bool {
-        self.plant.problem.soles.iter().enumerate().all(|(s, sole)| {
-            let (state, k) = (self.plant.states[s], sole.vertices.len());
-            let slow = |i: usize| sole.vertices[i].velocity.xy().norm() <= speed;
-            (0..k).all(|i| !state.clamps(i, k) || slow(i))
-        })
+    /// Whether no vertex slides faster than `speed`, m/s, and nothing moves much faster.
+    pub(in crate::sim) fn creeps(&self, speed: f64) -> bool {
+        let is_slow = self.plant.each_velocity().all(|v| v.abs() <= MOVES * speed);
+        is_slow
+            && self.plant.problem.soles.iter().enumerate().all(|(s, sole)| {
+                let (state, k) = (self.plant.states[s], sole.vertices.len());
+                let slow = |i: usize| sole.vertices[i].velocity.xy().norm() <= speed;
+                (0..k).all(|i| !state.clamps(i, k) || slow(i))
+            })
     }
 
     /// Speed, m/s, up to which vertices are set to rest because steps do not resolve how they come

@@ -48,10 +48,14 @@ impl Plant {
         }
     }
 
+    /// Velocities of all mechanisms, one after the other.
+    pub fn each_velocity(&self) -> impl Iterator<Item = f64> + '_ {
+        self.state.v.iter().chain(self.objects.list.iter().flat_map(|object| &object.state.v)).copied()
+    }
+
     /// Velocities of all mechanisms times `dt`.
     pub fn write_velocities_times(&self, dt: f64, out: &mut [f64]) {
-        let objects = self.objects.list.iter().flat_map(|object| &object.state.v);
-        self.state.v.iter().chain(objects).zip(out).for_each(|(v, d)| *d = v * dt);
+        self.each_velocity().zip(out).for_each(|(v, d)| *d = v * dt);
     }
 
     /// Writes the states and the energy flows into the integrator's vector.

@@ -4,7 +4,7 @@
 //! Several states may each drive the motion out of themselves and into the next, so that none is
 //! valid for longer than some microseconds; the motion is then a sliding mode [Filippov 1988]. It
 //! is detected by [`EVENTS`] events in a row that take at most [`FAST`] each, return to the same
-//! few states, and include no impact faster than v_t. Where nothing slides faster than [`CREEP`],
+//! few states, and include no impact faster than v_t. Where bodies slide by at most [`CREEP`],
 //! [`FAST_OF_CREEP`] takes the place of [`FAST`]: bodies that come to rest slide ever slower, until
 //! errors of steps stop them and turn them round. The run then advances by velocity-level steps
 //! ([`super::semi_implicit`], [Moreau 1988]), which need no state that is valid at every instant:
@@ -141,7 +141,7 @@ impl SlidingMode {
         self.recent[0].0 = t;
         self.recent[0].1.clone_from(&sim.plant.states);
         self.count = if sim.last_collision == t { 0 } else { self.count + 1 };
-        self.creeping = if sim.slides_up_to(CREEP) { self.creeping + 1 } else { 0 };
+        self.creeping = if sim.creeps(CREEP) { self.creeping + 1 } else { 0 };
         let needed = if t < self.passed { EVENTS_AGAIN } else { EVENTS };
         if self.count < needed {
             return Ok(());
@@ -289,7 +289,7 @@ impl SlidingMode {
         sim.measure_energy();
         sim.measure_step();
         sim.sampler.as_mut().map_or(Ok(()), |sampler| sampler.sample_step(&sim.plant, observer))?;
-        Ok(t1 >= self.trial || self.only_creep && !sim.slides_up_to(2.0 * CREEP))
+        Ok(t1 >= self.trial || self.only_creep && !sim.creeps(2.0 * CREEP))
     }
 
     /// Doubles the shortest size after [`MISSES`] steps in a row that have missed the tolerances, and halves it
