@@ -1,7 +1,7 @@
 //! Cholesky factorisation in place: small dense symmetric systems `A x = b`, `A = L L^T` positive
 //! definite.
 
-use super::dot;
+use super::{LONG, dot};
 
 /// A symmetric matrix and its factor, row-major, `n` x `n`.
 #[derive(Clone, Debug)]
@@ -48,6 +48,14 @@ impl Symmetric {
         for i in 0..n {
             b[i] = (b[i] - dot(&l[i * n..i * n + i], &b[..i])) / l[i * n + i];
         }
+        if n < LONG {
+            for i in (0..n).rev() {
+                let sum: f64 = (i + 1..n).map(|k| l[k * n + i] * b[k]).sum();
+                b[i] = (b[i] - sum) / l[i * n + i];
+            }
+            return;
+        }
+        // Along the rows, which are contiguous.
         for i in (0..n).rev() {
             let (above, at) = b.split_at_mut(i);
             at[0] /= l[i * n + i];

@@ -14,7 +14,7 @@
 //! pivot that is not clearly positive ends this, and the matrix is factorised as any other. So is a
 //! matrix that is expected to be regular, if pivots sought within their columns come near zero.
 
-use super::dot;
+use super::{LONG, dot};
 
 /// Pivot, relative to the first, under which a row counts as redundant. Rounding of a 12 x 12
 /// elimination stays near 1e-14; closed kinematic loops of real robots have pivots above 1e-9.
@@ -243,7 +243,13 @@ impl Linear {
         // The multipliers were exchanged along with their rows.
         (0..rank).for_each(|k| b.swap(k, self.row[k]));
         for k in 1..rank {
-            b[k] -= dot(&a[k * n..k * n + k], &b[..k]);
+            if n < LONG {
+                for j in 0..k {
+                    b[k] -= a[k * n + j] * b[j];
+                }
+            } else {
+                b[k] -= dot(&a[k * n..k * n + k], &b[..k]);
+            }
         }
         b[rank..].fill(0.0);
         for k in (0..rank).rev() {

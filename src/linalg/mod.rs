@@ -10,9 +10,15 @@ pub mod lemke;
 pub mod linear;
 pub mod riccati;
 
-/// `a . b` of the shorter length, in four partial sums: one after the other, additions would wait for each other.
+/// Length from which sums are split.
+const LONG: usize = 32;
+
+/// `a . b` of the shorter length. Long ones are added in four partial sums, as additions would wait for each other.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len().min(b.len());
+    if n < LONG {
+        return a.iter().zip(b).map(|(a, b)| a * b).sum();
+    }
     let (a, a_rest) = a[..n].as_chunks::<4>();
     let (b, b_rest) = b[..n].as_chunks::<4>();
     let mut sums = [0.0; 4];

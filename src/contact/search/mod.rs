@@ -21,3 +21,6 @@ pub mod regularized_modes;
 pub mod select;
 pub mod sliding_directions;
 pub mod slips;
+
+/// Number of soles and links above which smaller systems pay: the static soles condensed, points by themselves.
+const MANY: usize = 4;

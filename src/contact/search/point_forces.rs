@@ -45,6 +45,7 @@ mod readings;
 
 use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::solution::{Solution, wrench_at};
+use crate::contact::search::MANY;
 use crate::linalg::anderson::Anderson;
 use crate::linalg::cholesky::Symmetric;
 use crate::linalg::dot;
@@ -224,9 +225,9 @@ impl PointForces {
         self.acceleration.restart();
     }
 
-    /// Whether `H + rho` is smaller than the matrix of the soles.
+    /// Whether `H + rho` is smaller than a great matrix of the soles.
     fn has_few_points(&self, p: &Problem) -> bool {
-        3 * self.points.len() < p.dim()
+        p.soles.len() > MANY && 3 * self.points.len() < p.dim()
     }
 
     /// Computes H.

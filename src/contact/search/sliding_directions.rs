@@ -18,6 +18,7 @@ use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::{Solution, wrench_at};
 use crate::contact::model::state::{Mode, States};
+use crate::contact::search::MANY;
 use crate::contact::search::candidate::CandidateSolver;
 use crate::contact::search::condensed::Condensed;
 use crate::contact::search::slips::{
@@ -172,7 +173,7 @@ impl DirectionFinder {
             return true;
         }
         let mut condensed = std::mem::take(&mut self.condensed);
-        let is_condensed = condensed.condense(solver, p, states, out);
+        let is_condensed = p.soles.len() > MANY && condensed.condense(solver, p, states, out);
         let result = is_condensed.then(|| self.find_condensed(&mut condensed, solver, p, states, which, hints, out));
         self.condensed = condensed;
         result.flatten().unwrap_or_else(|| self.search(solver, p, states, which, hints, out))

@@ -5,10 +5,10 @@
 //! valid for longer than some microseconds; the motion is then a sliding mode [Filippov 1988]. It
 //! is detected by [`EVENTS`] events in a row that take at most [`FAST`] each, return to the same
 //! few states, and include no impact faster than v_t. Where bodies slide by at most [`CREEP`],
-//! [`FAST_OF_CREEP`] takes the place of [`FAST`]: bodies that come to rest slide ever slower, until
-//! errors of steps stop them and turn them round. The run then advances by velocity-level steps
-//! ([`super::semi_implicit`], [Moreau 1988]), which need no state that is valid at every instant:
-//! the contact laws hold for the velocities at the end of a step and the impulses over it.
+//! [`EVENTS_OF_CREEP`] that take at most [`FAST_OF_CREEP`] suffice: bodies that come to rest slide ever
+//! slower, until errors of steps stop them and turn them round. The run then advances by
+//! velocity-level steps ([`super::semi_implicit`], [Moreau 1988]), which need no state that is valid at
+//! every instant: the contact laws hold for the velocities at the end of a step and the impulses over it.
 //!
 //! With `y1` the result of one step of size h and `y2` that of two steps of half the size,
 //!
@@ -46,9 +46,11 @@ use nalgebra::{Vector2, Vector3};
 /// Events by which the states must alternate, and after the mode was left for a trial.
 const EVENTS: usize = 16;
 const EVENTS_AGAIN: usize = 6;
+/// Events by which bodies that creep must alternate.
+const EVENTS_OF_CREEP: usize = 64;
 /// Time between two such events, on average, s.
 const FAST: f64 = 2e-5;
-const FAST_OF_CREEP: f64 = 1e-3;
+const FAST_OF_CREEP: f64 = 5e-4;
 /// Speed of contacts, m/s, up to which they creep.
 const CREEP: f64 = 1e-6;
 /// First and longest time in the mode before a trial, s; where no state was found; where bodies creep.
@@ -57,8 +59,8 @@ const STAYS_WITHOUT_STATE: (f64, f64) = (1e-4, 2e-2);
 const STAYS_OF_CREEP: (f64, f64) = (2e-2, 0.5);
 /// Size of the first velocity-level step, s.
 const FIRST_STEP: f64 = 2e-5;
-/// Shortest steps in a row that may miss the tolerances, and the greatest size, s, of the shortest.
-const MISSES: usize = 8;
+/// Steps that may miss the tolerances before the shortest becomes longer, and its greatest size, s.
+const MISSES: i32 = 8;
 const LONGEST_LEAST: f64 = 1e-4;
 /// Size of fixed-step integrators' velocity-level steps, relative to their step.
 const OF_FIXED: f64 = 0.1;
@@ -82,9 +84,9 @@ pub struct SlidingMode {
     /// Size of the next step, s, and its control.
     h: f64,
     control: StepControl,
-    /// Size of the shortest step, s, and steps of that size in a row that have missed the tolerances.
+    /// Size of the shortest step, s, and how many steps more have missed the tolerances since than have met them.
     least: f64,
-    misses: usize,
+    misses: i32,
     /// The integrator's vector at the start of a step, after one step, and after two halves.
     start: Vec<f64>,
     whole: Vec<f64>,
@@ -142,13 +144,15 @@ impl SlidingMode {
         self.recent[0].1.clone_from(&sim.plant.states);
         self.count = if sim.last_collision == t { 0 } else { self.count + 1 };
         self.creeping = if sim.creeps(CREEP) { self.creeping + 1 } else { 0 };
-        let needed = if t < self.passed { EVENTS_AGAIN } else { EVENTS };
+        let again = t < self.passed;
+        let needed = if again { EVENTS_AGAIN } else { EVENTS };
         if self.count < needed {
             return Ok(());
         }
         let span = t - self.recent[needed - 1].0;
         let only_creep = span > FAST * needed as f64;
-        if only_creep && (span > FAST_OF_CREEP * needed as f64 || self.creeping < needed) {
+        let creeping = if again { EVENTS_AGAIN } else { EVENTS_OF_CREEP };
+        if only_creep && (span > FAST_OF_CREEP * needed as f64 || self.creeping < creeping) {
             return Ok(());
         }
         let recent = &self.recent[..needed];
@@ -292,16 +296,13 @@ impl SlidingMode {
         Ok(t1 >= self.trial || self.only_creep && !sim.creeps(2.0 * CREEP))
     }
 
-    /// Doubles the shortest size after [`MISSES`] steps in a row that have missed the tolerances, and halves it
-    /// after one that has met them.
+    /// Doubles the shortest size after [`MISSES`] more steps that have missed the tolerances than have met them, and
+    /// halves it after as many the other way round.
     fn adapt_least(&mut self, error: f64) {
-        if error <= 1.0 {
-            (self.misses, self.least) = (0, (0.5 * self.least).max(Self::SHORTEST));
-            return;
-        }
-        self.misses += 1;
-        if self.misses == MISSES {
-            (self.misses, self.least) = (0, (2.0 * self.least).min(LONGEST_LEAST));
+        self.misses += if error <= 1.0 { -1 } else { 1 };
+        if self.misses.abs() == MISSES {
+            let factor = if self.misses > 0 { 2.0 } else { 0.5 };
+            (self.misses, self.least) = (0, (factor * self.least).clamp(Self::SHORTEST, LONGEST_LEAST));
         }
     }
 
