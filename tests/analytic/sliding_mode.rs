@@ -101,8 +101,9 @@ fn a_slow_vertex_of_a_turning_foot_slides_on() {
 }
 
 /// Instants at which the direct search finds no valid state: HOAP-2 on a slope that it slides down, 8.6 ms
-/// after its start, and a tilted landing of CB-i, at 0.5031 s. The search through all states, which has
-/// no such instants, is the reference. It tests 75 and 1463 candidates there.
+/// after its start, and a tilted landing of CB-i, at 0.5924 s. The search through all states is the
+/// reference. It tests 75 and 2434 candidates there; that of CB-i also takes the least violated states of four
+/// instants at which it finds none.
 #[test]
 fn an_instant_without_a_state_moves_as_with_a_search_through_all() {
     for (robot, base, more, searched) in [
@@ -116,8 +117,8 @@ fn an_instant_without_a_state_moves_as_with_a_search_through_all() {
         ),
         (
             "cbi",
-            "rpy = [0.28, -0.28, 0], linear_velocity = [0, 0, -0.9905]",
-            "duration = 0.5034\nseed = 411\nfloor.friction = 0.7798542245407513",
+            "rpy = [0.2036539765426019, -0.28, 0], linear_velocity = [0, 0, -0.9905]",
+            "duration = 0.5929\nseed = 411\nfloor.friction = 0.7293535555114631\nstop.sunk_link = \"ignore\"",
             1000,
         ),
     ] {
@@ -129,7 +130,8 @@ fn an_instant_without_a_state_moves_as_with_a_search_through_all() {
         assert_eq!(recording.events.iter().filter(begins).count(), 1, "{:?}", recording.events);
         // Until the trial after 0.1 ms.
         assert!(m.sliding_mode_s > 9e-5 && m.sliding_mode_s < 1.2e-4, "{}", m.sliding_mode_s);
-        assert_eq!((m.inconsistent, m.full_searches, reference.inconsistent), (0, 0, 0));
+        assert_eq!((m.inconsistent, m.full_searches), (0, 0));
+        assert!(reference.inconsistent <= 4, "{}", reference.inconsistent);
         assert!(m.states_tested_max <= 40, "{}", m.states_tested_max);
         // The integrator: with a hundredth of the tolerances CB-i ends 1e-8 m away. Its roll differs by 1e-7 rad.
         for (end, other) in m.final_base_position.iter().zip(reference.final_base_position) {

@@ -75,6 +75,8 @@ pub struct SlidingMode {
     creeping: usize,
     /// Must the mode end when contacts slide faster?
     only_creep: bool,
+    /// Did the last one begin with creep?
+    has_crept: bool,
     /// Start of the present mode, s, and instant of the next trial.
     since: f64,
     trial: f64,
@@ -109,6 +111,7 @@ impl SlidingMode {
             is_active: false,
             creeping: 0,
             only_creep: false,
+            has_crept: false,
             since: 0.0,
             trial: 0.0,
             stay: STAYS.0,
@@ -151,7 +154,7 @@ impl SlidingMode {
         }
         let span = t - self.recent[needed - 1].0;
         let only_creep = span > FAST * needed as f64;
-        let creeping = if again { EVENTS_AGAIN } else { EVENTS_OF_CREEP };
+        let creeping = if again && self.has_crept { EVENTS_AGAIN } else { EVENTS_OF_CREEP };
         if only_creep && (span > FAST_OF_CREEP * needed as f64 || self.creeping < creeping) {
             return Ok(());
         }
@@ -196,6 +199,7 @@ impl SlidingMode {
     /// Ends the mode: chooses states for located events.
     pub fn leave(&mut self, sim: &mut RunState, observer: &mut dyn Observer) -> Result<(), RunError> {
         let t = sim.plant.state.time;
+        self.has_crept = self.only_creep;
         self.reset();
         self.passed = t + self.stay;
         let message = format!("ends after {:.6e} s", t - self.since);
