@@ -284,7 +284,7 @@ fn robots_that_creep_come_to_rest() {
         let m = finish(&mut sim, &mut NullObserver);
         let speed = sim.plant().each_velocity().fold(0.0, |most: f64, v| most.max(v.abs()));
         // What a step of the mode leaves.
-        assert!(m.sliding_mode_s > 0.5 && speed < 1e-6, "{i}: {} s, {speed}", m.sliding_mode_s);
+        assert!(m.sliding_mode_s > 0.05 && speed < 1e-6, "{i}: {} s, {speed}", m.sliding_mode_s);
         assert!(m.max_penetration_m < 1e-9 && m.max_cone_excess < 1e-9 && m.inconsistent == 0, "{i}: {m:?}");
         // Drift that each step of the mode leaves, some 1e-9 m, is removed against the load: 1e-5 W.
         assert!(m.energy_error_j.abs() < 1e-4, "{i}: {} J", m.energy_error_j);

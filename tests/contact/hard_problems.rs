@@ -111,6 +111,7 @@ fn random_problem(seed: u64) -> Problem {
         (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
     };
     let mut p = Problem::new(&[4; 6]);
+    p.level = Level::Velocity;
     let n = p.dim();
     let jacobian: Vec<f64> = (0..20 * n).map(|_| random()).collect();
     for r in 0..n {

@@ -172,30 +172,33 @@ impl DirectionFinder {
             solver.solve(p, states, out);
             return true;
         }
-        let mut condensed = std::mem::take(&mut self.condensed);
-        let is_condensed = p.soles.len() > MANY && condensed.condense(solver, p, states, out);
-        let result = is_condensed.then(|| self.find_condensed(&mut condensed, solver, p, states, which, hints, out));
-        self.condensed = condensed;
-        result.flatten().unwrap_or_else(|| self.search(solver, p, states, which, hints, out))
+        if p.soles.len() > MANY
+            && self.condensed.condense(solver, p, states, out)
+            && let Some(found) = self.find_condensed(solver, p, states, hints, out)
+        {
+            return found;
+        }
+        self.search(solver, p, states, which, hints, out)
     }
 
     /// As [`search`](Self::search), on the condensed problem, and from there on the whole one. `None` if that has
     /// another motion: the normal forces of sliding soles are indeterminate.
     fn find_condensed(
         &mut self,
-        condensed: &mut Condensed,
         solver: &mut CandidateSolver,
         p: &mut Problem,
         states: &States,
-        which: &[usize],
         hints: &[Slips],
         out: &mut Solution,
     ) -> Option<bool> {
+        let which = &soles_where(p, |s| is_implicit(p, states, s))[..];
+        let mut condensed = std::mem::take(&mut self.condensed);
         condensed.exchange(p);
         let found = self.search(solver, p, &condensed.loose, which, hints, out);
         let points = slip_points(p, states, which);
         let slips = read_slips(p, states, which, &points, &out.motion, true);
         condensed.exchange(p);
+        self.condensed = condensed;
         if !found {
             solver.solve(p, states, out);
             return Some(false);
