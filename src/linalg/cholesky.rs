@@ -55,7 +55,7 @@ impl Symmetric {
             }
             return;
         }
-        // Along the rows, which are contiguous.
+        // The same along the rows, which are contiguous.
         for i in (0..n).rev() {
             let (above, at) = b.split_at_mut(i);
             at[0] /= l[i * n + i];

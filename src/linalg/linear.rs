@@ -243,6 +243,7 @@ impl Linear {
         // The multipliers were exchanged along with their rows.
         (0..rank).for_each(|k| b.swap(k, self.row[k]));
         for k in 1..rank {
+            // Small systems are solved entry by entry, the same up to rounding.
             if n < LONG {
                 for j in 0..k {
                     b[k] -= a[k * n + j] * b[j];

@@ -286,7 +286,7 @@ fn robots_that_creep_come_to_rest() {
         // What a step of the mode leaves.
         assert!(m.sliding_mode_s > 0.05 && speed < 1e-6, "{i}: {} s, {speed}", m.sliding_mode_s);
         assert!(m.max_penetration_m < 1e-9 && m.max_cone_excess < 1e-9 && m.inconsistent == 0, "{i}: {m:?}");
-        // Drift that each step of the mode leaves, some 1e-9 m, is removed against the load: 1e-5 W.
+        // The error grows by 1e-5 W in the mode, probably as drift is removed against the load.
         assert!(m.energy_error_j.abs() < 1e-4, "{i}: {} J", m.energy_error_j);
     }
 }

@@ -3,7 +3,8 @@
 //! [`candidate`] solves the problem for one state of all soles, [`load_split`] chooses among the
 //! solutions of an indeterminate one. [`sliding_directions`] finds the
 //! directions of friction where no velocity gives them, from [`slips`] and with the static soles
-//! [`condensed`]; [`regularized_modes`] which vertices stick and which slip. [`point_forces`] solves the problem with every vertex as a point.
+//! [`condensed`]; [`regularized_modes`] finds which vertices stick and which slip. [`point_forces`]
+//! solves the problem with every vertex as a point.
 //! [`judge`] measures violations and margins, [`moves`] suggests neighbours, [`neighbour_screen`]
 //! excludes those of a valid state, [`select`] runs the best-first search.
 //!

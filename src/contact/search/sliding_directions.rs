@@ -225,7 +225,8 @@ impl DirectionFinder {
         solver.solve(p, states, out);
         let points = slip_points(p, states, which);
         let drive = read_slips(p, states, which, &points, &out.motion, true);
-        self.drive = norm(which, &drive);
+        let size = norm(which, &drive);
+        self.drive = size;
         let mut search = DirectionSearch {
             finder: self,
             solver,
@@ -233,7 +234,7 @@ impl DirectionFinder {
             states,
             which,
             points: points.clone(),
-            drive: norm(which, &drive),
+            drive: size,
             viscosity: 0.0,
         };
         if search.drive == 0.0 {

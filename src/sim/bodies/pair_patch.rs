@@ -159,15 +159,13 @@ fn drop_shared_points(patches: &mut Vec<PairPatch>) {
             if !patch.has_plane_of(other) {
                 continue;
             }
-            let is_shared = |vertex: &(usize, usize)| {
-                let at = &patch.parts[vertex.0].geometry.points[vertex.1].position;
-                (0..other.len()).any(|i| (other.point(i).position - at).norm() <= SAME_POINT)
-            };
-            let mut kept = patch.vertices.clone();
-            kept.retain(|vertex| !is_shared(vertex));
-            if kept.len() < patch.len() {
+            let (parts, count) = (&patch.parts, patch.vertices.len());
+            patch.vertices.retain(|&(part, corner)| {
+                let at = &parts[part].geometry.points[corner].position;
+                (0..other.len()).all(|i| (other.point(i).position - at).norm() > SAME_POINT)
+            });
+            if patch.vertices.len() < count {
                 owner = owner.or(Some(k));
-                patch.vertices = kept;
             }
         }
         match owner.filter(|_| patch.is_empty()) {

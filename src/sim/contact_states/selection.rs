@@ -131,14 +131,15 @@ impl RunState {
         }
         self.suspect.fill(0);
         if self.follow_states() && self.deferral != Deferral::Due {
-            self.choose_split(observer)?;
+            self.confirm_states(observer)?;
         }
         self.plant.evaluate();
         Ok(())
     }
 
-    /// Confirms the states after patches have followed them: an indeterminate load may need its split again.
-    fn choose_split(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+    /// Chooses the states again after patches have followed them: the new problem has no split of an indeterminate
+    /// load yet.
+    fn confirm_states(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         self.plant.evaluate_free();
         self.plant.update_directions();
         let selection = self.select(false, observer)?;

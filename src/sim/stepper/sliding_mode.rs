@@ -20,9 +20,9 @@
 //! y is O(h^3), in units of the motion some |e|^(3/2). The size is chosen so that this meets the
 //! tolerances of the integrator. The energy flows are extrapolated likewise. A step that contains an
 //! impact misses the tolerances at any size: the shortest is then accepted with y = y2, as a
-//! combination across a jump of velocities would not conserve energy. Where bodies rattle, every step
-//! contains impacts, and the shortest size grows: smaller steps would not be more accurate. Then the drift of clamped
-//! vertices is removed, as after every step.
+//! combination across a jump of velocities would not conserve energy. Where bodies rattle, most steps
+//! contain impacts, and the shortest size grows: smaller steps would not be more accurate. Then the
+//! drift of clamped vertices is removed, as after every step.
 //!
 //! The run also advances so where the direct search finds no valid state at an instant, instead of
 //! searching all states: near jams, or where a vertex about which a sole turns begins to slip.
@@ -48,7 +48,7 @@ const EVENTS: usize = 16;
 const EVENTS_AGAIN: usize = 6;
 /// Events by which bodies that creep must alternate.
 const EVENTS_OF_CREEP: usize = 64;
-/// Time between two such events, on average, s.
+/// Time between two such events, on average, s; the same where bodies creep.
 const FAST: f64 = 2e-5;
 const FAST_OF_CREEP: f64 = 5e-4;
 /// Speed of contacts, m/s, up to which they creep.
