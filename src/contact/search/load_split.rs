@@ -10,8 +10,8 @@
 //! w = w0 + B x,     R W B x = target - R (b + c + W w0),     |x| least
 //! ```
 //!
-//! While the states last, w0 stays the same, so that the loads are continuous. Where the load is
-//! determinate, w does not depend on w0.
+//! While the states last, the forces of w0 at the vertices stay the same, in the axes of their soles, so that the
+//! loads are continuous. Where the load is determinate, w does not depend on w0.
 
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::wrench_at;
@@ -22,7 +22,9 @@ use nalgebra::Vector3;
 #[derive(Clone, Debug)]
 pub struct LoadSplit {
     states: Option<States>,
-    /// w0, of static soles, 6F.
+    /// Its forces at vertices of static soles: sole, vertex, N.
+    forces: Vec<(usize, usize, Vector3<f64>)>,
+    /// w0, 6F.
     wrench: Vec<f64>,
     /// W w0.
     motion: Vec<f64>,
@@ -31,7 +33,7 @@ pub struct LoadSplit {
 impl LoadSplit {
     /// None, for problems of this size.
     pub fn new(p: &Problem) -> Self {
-        LoadSplit { states: None, wrench: vec![0.0; p.dim()], motion: vec![0.0; p.dim()] }
+        LoadSplit { states: None, forces: Vec::new(), wrench: vec![0.0; p.dim()], motion: vec![0.0; p.dim()] }
     }
 
     /// Whether loads of these states have a split.
@@ -48,14 +50,9 @@ impl LoadSplit {
     /// Sets it from forces of vertices: sole, vertex, force, N.
     pub fn set(&mut self, p: &Problem, states: &States, forces: impl Iterator<Item = (usize, usize, Vector3<f64>)>) {
         self.states = Some(states.clone());
-        self.wrench.fill(0.0);
-        for (s, i, force) in forces {
-            let sole = &p.soles[s];
-            if states[s].is_static() && states[s].clamps(i, sole.vertices.len()) {
-                let wrench = wrench_at(&sole.vertices[i].r, &force);
-                self.wrench[6 * s..6 * s + 6].iter_mut().zip(wrench).for_each(|(sum, x)| *sum += x);
-            }
-        }
+        let is_held = |s: usize, i: usize| states[s].is_static() && states[s].clamps(i, p.soles[s].vertices.len());
+        self.forces.clear();
+        self.forces.extend(forces.filter(|&(s, i, _)| is_held(s, i)));
     }
 
     /// Returns to the least norm.
@@ -63,8 +60,13 @@ impl LoadSplit {
         self.states = None;
     }
 
-    /// Updates W w0 to the problem.
+    /// Updates w0 and W w0 to the problem.
     pub(super) fn update(&mut self, p: &Problem) {
+        self.wrench.fill(0.0);
+        for (s, i, force) in &self.forces {
+            let wrench = wrench_at(&p.soles[*s].vertices[*i].r, force);
+            self.wrench[6 * s..6 * s + 6].iter_mut().zip(wrench).for_each(|(sum, x)| *sum += x);
+        }
         for (m, row) in self.motion.iter_mut().zip(p.w.chunks_exact(p.dim())) {
             *m = row.iter().zip(&self.wrench).map(|(w, x)| w * x).sum();
         }
@@ -73,5 +75,28 @@ impl LoadSplit {
     /// w0 and W w0.
     pub(super) fn loads(&self) -> (&[f64], &[f64]) {
         (&self.wrench, &self.motion)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::model::state::Pattern;
+
+    /// A vertex that moves relative to the reference point of its sole keeps its force, not its moment: otherwise
+    /// the load would turn the body about the vertex.
+    #[test]
+    fn forces_stay_at_their_vertices() {
+        let mut p = Problem::new(&[3, 1]);
+        let mut states = States::default();
+        (0..2).for_each(|s| states[s] = SoleState::fixed(Pattern::Vertex(0)));
+        let mut split = LoadSplit::new(&p);
+        let force = Vector3::new(1.0, -2.0, 5.0);
+        split.set(&p, &states, [(0, 0, force), (0, 1, force), (1, 0, -force)].into_iter());
+        p.soles[0].vertices[0].r = Vector3::new(0.3, 0.1, -0.2);
+        split.update(&p);
+        let moment = p.soles[0].vertices[0].r.cross(&force);
+        let wrenches = [force.as_slice(), moment.as_slice(), (-force).as_slice(), &[0.0; 3]].concat();
+        assert_eq!(split.loads().0, wrenches);
     }
 }
