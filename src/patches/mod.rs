@@ -57,10 +57,13 @@ pub use kinematics::geometry;
 pub use reowner::reowner;
 pub use ring_turn::turn_ring;
 pub use separation::{Separation, separation, touchable_depth};
-pub use ties::tied_topology;
+pub use ties::{flat_topology, tied_topology};
 pub use validity::validity;
 
 use nalgebra::{Matrix3, Vector3};
+
+/// Depth, m, up to which a plane separates bodies that touch along it.
+pub const SEPARATES: f64 = 1e-6;
 
 /// Distance, m, below which corners are one, and up to which a vertex lies on a border.
 pub const RESOLUTION: f64 = 1e-9;
@@ -135,6 +138,20 @@ pub enum Owner {
     Along(u16, u16),
 }
 
+impl Owner {
+    /// The features of A and B that define the plane; `None` for faces.
+    pub fn features(self) -> Option<(Feature, Feature)> {
+        match self {
+            Owner::FaceOfA(_) | Owner::FaceOfB(_) => None,
+            Owner::Edges(i, j) | Owner::Along(i, j) => Some((Feature::Edge(i), Feature::Edge(j))),
+            Owner::VertexVertex(i, j) => Some((Feature::Vertex(i), Feature::Vertex(j))),
+            Owner::VertexOfAEdgeOfB(i, j) => Some((Feature::Vertex(i), Feature::Edge(j))),
+            Owner::EdgeOfAVertexOfB(i, j) => Some((Feature::Edge(i), Feature::Vertex(j))),
+            Owner::Curved(of_a, of_b) => Some((of_a, of_b)),
+        }
+    }
+}
+
 /// A feature of a body with its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Feature {
@@ -194,6 +211,12 @@ impl Topology {
             rings: [Vector3::zeros(); 2],
             offsets: Vec::new(),
         }
+    }
+
+    /// Whether no function of its validity was less than -`depth`, m, when it was made: its plane separated the
+    /// bodies.
+    pub fn separates(&self, depth: f64) -> bool {
+        self.offsets.iter().all(|offset| *offset <= RESOLUTION + depth)
     }
 
     /// Whether points of A or B roll on the other, so that no point of them is fixed to both.

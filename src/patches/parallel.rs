@@ -70,14 +70,10 @@ pub(super) fn owner(found: Owner, distance: f64, a: Placed, b: Placed) -> Option
     if !(a.0.is_round() || b.0.is_round()) || a.0.edges.is_empty() || b.0.edges.is_empty() {
         return None;
     }
-    let (of_a, of_b) = match found {
-        Owner::Edges(i, j) => (Feature::Edge(i), Feature::Edge(j)),
-        Owner::VertexVertex(i, j) => (Feature::Vertex(i), Feature::Vertex(j)),
-        Owner::VertexOfAEdgeOfB(i, j) => (Feature::Vertex(i), Feature::Edge(j)),
-        Owner::EdgeOfAVertexOfB(i, j) => (Feature::Edge(i), Feature::Vertex(j)),
-        Owner::Curved(of_a, of_b) => (of_a, of_b),
-        Owner::FaceOfA(_) | Owner::FaceOfB(_) | Owner::Along(..) => return None,
-    };
+    if let Owner::Along(..) = found {
+        return None;
+    }
+    let (of_a, of_b) = found.features()?;
     let has = |(body, _): Placed, feature: Feature, k: usize| match feature {
         Feature::Edge(edge) => edge as usize == k,
         Feature::Rim(_) => k == 0,

@@ -4,7 +4,47 @@
 //! and the same support distance. Only those that reach the edge make a patch.
 
 use super::separation::{PARALLEL, REACH, Search};
-use super::{ConvexBody, Face, Owner, PatchGeometry, Placement, Topology, geometry, topology};
+use super::{
+    ConvexBody, Face, Feature, Owner, PatchGeometry, Placement, RESOLUTION, SEPARATES, Topology, geometry, topology,
+};
+
+/// Greatest gap, m, of corners of a face that touch at an instant at which its normal is that of a pair of edges.
+const FLAT: f64 = 10.0 * RESOLUTION;
+
+/// The patch of a face at the features of `owner`, no face itself, that touches at two corners or more: an edge that
+/// turns about its crossing with a side of a face has come to lie in the face, and crosses another side as well.
+/// `near`: as for [`topology`].
+pub fn flat_topology(
+    owner: Owner,
+    a: &ConvexBody,
+    pa: &Placement,
+    b: &ConvexBody,
+    pb: &Placement,
+    near: f64,
+) -> Option<Topology> {
+    let (of_a, of_b) = owner.features()?;
+    let mut found = Topology::default();
+    let mut at = PatchGeometry::default();
+    let mut is_flat = |face: Owner| {
+        topology(a, pa, b, pb, near, face, None, &mut found) && found.separates(SEPARATES) && {
+            geometry(&found, a, pa, b, pb, &mut at);
+            let touching = at.points.iter().filter(|point| point.gap <= FLAT).count();
+            touching > 1 && at.points.iter().all(|point| point.gap >= -FLAT)
+        }
+    };
+    let has_face =
+        faces_at(b, of_b).any(|k| is_flat(Owner::FaceOfB(k))) || faces_at(a, of_a).any(|k| is_flat(Owner::FaceOfA(k)));
+    has_face.then_some(found)
+}
+
+/// Touchable faces of a body at an edge.
+fn faces_at(body: &ConvexBody, feature: Feature) -> impl Iterator<Item = u16> {
+    let is_at = move |face: &Face| match feature {
+        Feature::Edge(edge) => face.touchable && face.edges.contains(&edge),
+        Feature::Vertex(_) | Feature::Rim(_) => false,
+    };
+    body.faces.iter().enumerate().filter(move |(_, face)| is_at(face)).map(|(k, _)| k as u16)
+}
 
 /// The patch of the first owner (faces of B, faces of A, edge pairs) whose support distance is `distance`, m, up to
 /// 1e-9 m, and that has corners with gaps of at most `near`, m. Tries all features.

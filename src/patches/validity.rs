@@ -9,6 +9,7 @@
 //! height of x           vertices x of the other body outside its incident face
 //! + d(x) or -d(x)       corners x of the incident face, d of the owner's face
 //! + d(w) or -d(w)       corners w of the owner's face, d of the projected incident face
+//! - d(x), - d(w)        those on the border: the crossings of their edges appear when they move inside
 //! t and L - t           crossings at t on an edge of the owner with the length L
 //! ```
 //!
@@ -34,7 +35,7 @@ use super::curves::Curve;
 use super::flat::Flat;
 use super::pins::Pin;
 use super::roles::Roles;
-use super::{ConvexBody, Feature, Owner, Placement, RESOLUTION, Topology, parallel};
+use super::{ConvexBody, Corner, Face, Feature, MAX_CORNERS, Owner, Placement, RESOLUTION, Topology, parallel};
 use nalgebra::Vector3;
 
 /// Greatest |n . a| of the axis from which tangents of vertex pairs are built.
@@ -89,7 +90,8 @@ pub(super) fn visit(
     let (of_a, of_b) = (pa.rotation.tr_mul(&pin.n), pb.rotation.tr_mul(&pin.n));
     let base_a = of_a.dot(&pa.rotation.tr_mul(&(pin.core_a - pa.position)));
     let base_b = pin.n.dot(&(pin.core_a - pb.position)) - pin.distance;
-    let (ends_a, ends_b) = features(topology.owner, a, b);
+    let Some((feature_a, feature_b)) = topology.owner.features() else { return };
+    let (ends_a, ends_b) = (feature_ends(feature_a, a), feature_ends(feature_b, b));
     for (k, x) in a.vertices.iter().enumerate().filter(|_| a.barrel.is_none()) {
         if !ends_a.contains(&(k as u16)) {
             f(of_a.dot(x) - base_a);
@@ -148,18 +150,7 @@ fn between(t: f64, length: f64, f: &mut impl FnMut(f64)) {
     f(length - t);
 }
 
-/// Vertices of A and of B that belong to the owner.
-fn features(owner: Owner, a: &ConvexBody, b: &ConvexBody) -> ([u16; 2], [u16; 2]) {
-    match owner {
-        Owner::Edges(i, j) | Owner::Along(i, j) => (a.edge(i).ends, b.edge(j).ends),
-        Owner::Curved(of_a, of_b) => (feature_ends(of_a, a), feature_ends(of_b, b)),
-        Owner::VertexVertex(i, j) => ([i; 2], [j; 2]),
-        Owner::VertexOfAEdgeOfB(i, j) => ([i; 2], b.edge(j).ends),
-        Owner::EdgeOfAVertexOfB(i, j) => (a.edge(i).ends, [j; 2]),
-        Owner::FaceOfA(i) | Owner::FaceOfB(i) => ([i; 2], [i; 2]),
-    }
-}
-
+/// Vertices of a body that belong to a feature.
 fn feature_ends(feature: Feature, body: &ConvexBody) -> [u16; 2] {
     match feature {
         Feature::Vertex(k) | Feature::Rim(k) => [k; 2],
@@ -179,15 +170,23 @@ fn visit_face(topology: &Topology, roles: &Roles, f: &mut impl FnMut(f64)) {
         if topology.incident.is_some_and(|face| !roles.other.face(face).corners.contains(&k)) {
             f(up.dot(x) - base);
         } else if has_sides {
-            let is_corner = topology.corners.iter().any(|corner| roles.incident_vertex(corner) == Some(k));
-            f(signed(is_corner, roles.inside_owner(&(r * x + p))));
+            let corner = topology.corners.iter().position(|corner| roles.incident_vertex(corner) == Some(k));
+            let inside = roles.inside_owner(&(r * x + p));
+            f(signed(corner.is_some(), inside));
+            if corner.is_some_and(|c| is_on_border(topology, c, incident_edges(topology, roles, k), roles.other, roles))
+            {
+                f(-inside);
+            }
         }
     }
     if let Some(incident) = topology.incident {
         for &k in &face.corners {
-            let is_corner = topology.corners.iter().any(|corner| roles.owner_vertex(corner) == Some(k));
+            let corner = topology.corners.iter().position(|corner| roles.owner_vertex(corner) == Some(k));
             let inside = roles.inside_incident(incident, &r, &p, roles.owner.vertex(k));
-            f(signed(is_corner, inside));
+            f(signed(corner.is_some(), inside));
+            if corner.is_some_and(|c| is_on_border(topology, c, edges_at(face, k), roles.owner, roles)) {
+                f(-inside);
+            }
         }
     }
     for (side, edge) in topology.corners.iter().filter_map(|corner| roles.crossing(corner)) {
@@ -198,4 +197,39 @@ fn visit_face(topology: &Topology, roles: &Roles, f: &mut impl FnMut(f64)) {
         let t = side.direction.dot(&(start - e * (q.dot(&start) / q.dot(&e))));
         between(t, side.length, f);
     }
+}
+
+/// Edges at the vertex `k` of a face; none without edges.
+fn edges_at(face: &Face, k: u16) -> [Option<u16>; 2] {
+    let Some(at) = face.corners.iter().position(|&corner| corner == k) else { return [None; 2] };
+    let count = face.edges.len();
+    if count == 0 { [None; 2] } else { [Some(face.edges[at]), Some(face.edges[(at + count - 1) % count])] }
+}
+
+/// Edges of the incident face at the vertex `k` of the other body; of bodies without faces the one that they have.
+fn incident_edges(topology: &Topology, roles: &Roles, k: u16) -> [Option<u16>; 2] {
+    match topology.incident {
+        Some(face) => edges_at(roles.other.face(face), k),
+        None => [(!roles.other.edges.is_empty()).then_some(0), None],
+    }
+}
+
+/// Whether a corner, a vertex of `body` with these edges, is on the border of the other face: no neighbour is on one
+/// of its edges. Vertices of the other face may be.
+fn is_on_border(topology: &Topology, c: usize, edges: [Option<u16>; 2], body: &ConvexBody, roles: &Roles) -> bool {
+    let count = topology.corners.len();
+    if count == MAX_CORNERS {
+        return false;
+    }
+    let is_owner = roles.owner_vertex(&topology.corners[c]).is_some();
+    let is_on = |edge: u16, corner: &Corner| {
+        let (own, others, crossing) = match (roles.owner_vertex(corner), roles.incident_vertex(corner)) {
+            (owner, incident) if is_owner => (owner, incident, roles.crossing(corner).map(|(side, _)| side)),
+            (owner, incident) => (incident, owner, roles.crossing(corner).map(|(_, edge)| edge)),
+        };
+        others.is_some() || crossing == Some(edge) || own.is_some_and(|k| body.edge(edge).ends.contains(&k))
+    };
+    let neighbours = [(c + 1) % count, (c + count - 1) % count];
+    let is_followed = |edge: u16| neighbours.iter().any(|&n| n != c && is_on(edge, &topology.corners[n]));
+    edges.into_iter().flatten().any(|edge| !is_followed(edge))
 }

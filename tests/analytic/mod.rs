@@ -10,6 +10,7 @@ mod energy;
 mod estimators;
 mod events;
 mod fallen;
+mod falls;
 mod feet;
 mod flight;
 mod force_sensor;

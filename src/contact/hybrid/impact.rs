@@ -25,8 +25,9 @@ pub(crate) fn is_due(p: &Problem, states: &States, tol: &Tolerances, is_imposed:
         let k = sole.vertices.len();
         let approaches = |i: usize| {
             let v = &sole.vertices[i];
-            v.is_near(tol) && v.velocity.z < -tol.velocity - tol.rest
-                || v.height <= TOUCHING && v.height >= -REACH * tol.distance && v.velocity.z < -tol.rest
+            !v.leaves
+                && (v.is_near(tol) && v.velocity.z < -tol.velocity - tol.rest
+                    || v.height <= TOUCHING && v.height >= -REACH * tol.distance && v.velocity.z < -tol.rest)
         };
         !is_imposed(s) && (0..k).any(|i| !states[s].clamps(i, k) && approaches(i))
     })

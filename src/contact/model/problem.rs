@@ -92,7 +92,7 @@ pub struct Vertex {
     /// At the velocity level: whether this vertex may meet the floor (in this impact, or before the
     /// end of this step).
     pub near: bool,
-    /// Leaves the other body: it may touch, but no state clamps it.
+    /// Leaves the other body, or another vertex touches in its place: it may touch, but no state clamps it.
     pub leaves: bool,
 }
 

@@ -161,8 +161,9 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
             let (geometric, kinematic) = match p.level {
                 Level::Acceleration if clamped => {
                     let high = v.height > tol.distance && sole.clampable(tol) >> i & 1 == 0;
+                    let far = if high { v.height / tol.distance } else { f64::from(v.leaves) };
                     let speed = v.velocity.z / tol.velocity;
-                    (if high { v.height / tol.distance } else { 0.0 }, if speed > 1.0 { speed } else { 0.0 })
+                    (far, if speed > 1.0 { speed } else { 0.0 })
                 }
                 // The motion after the impulse decides.
                 Level::Velocity if clamped => {
@@ -238,7 +239,7 @@ pub fn unclamped_violation(p: &Problem, s: usize, i: usize, motion: f64, scale: 
         return (0.0, if v.near && short > 1e-10 { short } else { 0.0 });
     }
     let (height, speed) = (v.height / tol.distance, v.velocity.z / tol.velocity);
-    if height > 1.0 {
+    if height > 1.0 || v.leaves {
         return (0.0, 0.0);
     }
     let kinematic = if speed < -1.0 {

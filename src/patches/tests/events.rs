@@ -75,6 +75,23 @@ fn a_box_that_tilts_flat_has_an_event_when_it_is_flat() {
     assert!(pair(0.0).validity(&flat) > 0.0);
 }
 
+/// The clipped polygon of a vertex on a border is a point; inside, its edges cross the border.
+#[test]
+fn a_vertex_on_a_border_has_an_event_when_it_moves_inside() {
+    let rotation = turn(Vector3::z() * -0.3) * turn(Vector3::x() * 0.2) * turn(Vector3::y() * -0.3);
+    let lowest = rotation * Vector3::new(-0.5, -0.5, -0.5);
+    let pair = |x: f64| {
+        let position = Vector3::new(0.5 - x, 0.0, 0.5) - lowest;
+        Pair::new(&table(), Placement::at_rest(rotation, position), &table(), level(0.0, 0.0, 0.0))
+    };
+    let top = table().faces.iter().position(|face| face.normal.z > 0.5).unwrap() as u16;
+    let held = pair(0.0).topology(Owner::FaceOfB(top), 1e-9);
+    assert_eq!(held.corners.len(), 1);
+    assert!((root(|x| pair(x).validity(&held), 0.0, 1e-6) - RESOLUTION).abs() < 1e-14);
+    assert!((root(|x| pair(-x).validity(&held), 0.0, 1e-6) - RESOLUTION).abs() < 1e-14);
+    assert_eq!(pair(1e-8).topology(Owner::FaceOfB(top), 1e-9).corners.len(), 3);
+}
+
 #[test]
 fn an_edge_that_rolls_on_an_edge_has_an_event_when_its_face_touches() {
     let below = at(turn(Vector3::x() * FRAC_PI_4), 0.0, 0.0, 0.0);

@@ -30,3 +30,24 @@ fn of_parallel_sides_the_one_that_reaches_the_edge_owns_the_plane() {
     let pa = Placement::at_rest(Matrix3::identity(), Vector3::new(0.0, 0.0, 0.1));
     assert!(tied_topology(&a, &pa, &b, &far, 1e-6, 1e-9).is_none());
 }
+
+/// A box lies across the edge of a table, and turns until the edge lies in its lower face.
+#[test]
+fn an_edge_that_comes_to_lie_in_a_face_touches_at_both_borders() {
+    let (table, block) = (ConvexBody::cuboid(Vector3::repeat(1.0)), ConvexBody::cuboid(Vector3::new(0.5, 0.1, 0.1)));
+    let pair = |angle: f64| {
+        let rotation = turn(Vector3::y() * 0.4) * turn(Vector3::x() * angle);
+        let mut pair = Pair::new(&block, at(rotation, 1.03, 0.0, 1.1), &table, level(0.0, 0.0, 0.0));
+        let owner = pair.touch();
+        (pair, owner)
+    };
+    let flat = |(pair, owner): &(Pair, Owner)| flat_topology(*owner, &pair.a, &pair.pa, &pair.b, &pair.pb, 1.0);
+    let nearly = pair(1e-9);
+    assert!(matches!(nearly.1, Owner::Edges(..)), "{:?}", nearly.1);
+    let found = flat(&nearly).unwrap();
+    assert!(matches!(found.owner, Owner::FaceOfA(_)), "{found:?}");
+    let gaps = nearly.0.geometry(&found).points.iter().filter(|point| point.gap.abs() < 1e-9).count();
+    assert_eq!(gaps, 2, "{found:?}");
+    let tilted = pair(1e-4);
+    assert!(matches!(tilted.1, Owner::Edges(..)) && flat(&tilted).is_none(), "{:?}", tilted.1);
+}

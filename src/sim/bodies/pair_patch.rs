@@ -18,7 +18,7 @@
 use super::{Body, Pair};
 use crate::dynamics::reduced::Mechanisms;
 use crate::geometry::{Plane, convex_hull};
-use crate::patches::{self, Corner, CornerMotion, Owner, PatchGeometry, Placement, Topology};
+use crate::patches::{self, Corner, CornerMotion, Feature, Owner, PatchGeometry, Placement, Topology};
 use nalgebra::{Matrix3, Vector3};
 
 /// Angle, rad, and distance, m, up to which two planes are one.
@@ -26,6 +26,10 @@ const COPLANAR: f64 = 1e-9;
 
 /// Distance, m, up to which corners of several parts are one point: twice the resolution of corners.
 const SAME_POINT: f64 = 2.0 * patches::RESOLUTION;
+
+/// Distance, m, up to which a crossing is beside an end of its edge, and least slope of an edge that is not level.
+const BESIDE: f64 = 1e-6;
+const SLOPE: f64 = 1e-4;
 
 /// The points of both bodies, in their frames, at a vertex that was clamped, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -113,6 +117,15 @@ impl Part {
         &self.geometry.points[corner].position
     }
 
+    /// Whether a vertex at most `BESIDE` away is lower than this corner.
+    fn is_above_end(&self, corner: usize) -> bool {
+        let points = &self.geometry.points;
+        let at = &points[corner];
+        let ends = self.topology.corners.iter().zip(points).filter(|(end, _)| !matches!(end, Corner::Crossing { .. }));
+        ends.map(|(_, end)| (at.gap - end.gap, (at.position - end.position).norm()))
+            .any(|(rise, way)| way <= BESIDE && rise > SLOPE * way)
+    }
+
     /// Whether both have corners in one plane of their common body A with the world.
     fn has_plane_of(&self, other: &Part) -> bool {
         let (Some(plane), Some(others)) = (self.plane(), other.plane()) else { return false };
@@ -140,23 +153,54 @@ impl Part {
         self.has_plane_of(other)
             && match (self.face_planes(bodies), other.face_planes(bodies)) {
                 (Some(own), Some(others)) => own.iter().zip(&others).all(|(p, q)| is_one_plane(p, q)),
-                (None, None) => true,
+                (None, None) => self.keeps_plane_of(other, bodies),
                 _ => false,
             }
+    }
+
+    /// Whether planes that are one now remain one: they are faces, or of the same features. The planes of an edge
+    /// of A with two edges of the world turn apart.
+    fn keeps_plane_of(&self, other: &Part, bodies: &[Body]) -> bool {
+        let is_face = |owner| matches!(owner, Owner::FaceOfA(_) | Owner::FaceOfB(_));
+        let (own, others) = (self.topology.owner, other.topology.owner);
+        is_face(own) && is_face(others)
+            || match (self.world_feature(bodies), other.world_feature(bodies)) {
+                (Some((of_a, at, along)), Some((a, point, e))) => {
+                    let apart = point - at;
+                    let way = apart - along * along.dot(&apart);
+                    of_a == a && along.cross(&e).norm() < COPLANAR && way.norm() < COPLANAR
+                }
+                _ => false,
+            }
+    }
+
+    /// For owners that are no faces: the feature of A, and a point and the direction of the edge of B, world; the
+    /// direction is zero for a vertex of B.
+    fn world_feature(&self, bodies: &[Body]) -> Option<(Feature, Vector3<f64>, Vector3<f64>)> {
+        let (of_a, of_b) = self.topology.owner.features()?;
+        let (b, at) = (&bodies[self.pair.bodies.1].shape, &self.placements.1);
+        match of_b {
+            Feature::Vertex(k) => Some((of_a, at.point(b.vertex(k)), Vector3::zeros())),
+            Feature::Edge(k) => {
+                let edge = b.edge(k);
+                Some((of_a, at.point(b.vertex(edge.ends[0])), at.rotation * edge.direction))
+            }
+            Feature::Rim(_) => None,
+        }
     }
 }
 
 /// Leaves points that several patches with the same plane share to the first of them: forces there are those of one
 /// contact. So a face that lies on a peak of a height field meets it once, not once per triangle. A patch that
 /// has no other points joins the first.
-fn drop_shared_points(patches: &mut Vec<PairPatch>) {
+fn drop_shared_points(patches: &mut Vec<PairPatch>, bodies: &[Body]) {
     let mut p = 1;
     while p < patches.len() {
         let (before, rest) = patches.split_at_mut(p);
         let patch = &mut rest[0];
         let mut owner = None;
         for (k, other) in before.iter().enumerate() {
-            if !patch.has_plane_of(other) {
+            if !patch.has_plane_of(other) || !patch.parts[0].keeps_plane_of(&other.parts[0], bodies) {
                 continue;
             }
             let (parts, count) = (&patch.parts, patch.vertices.len());
@@ -213,7 +257,7 @@ impl PairPatch {
             }
         }
         patches.iter_mut().for_each(PairPatch::complete);
-        drop_shared_points(&mut patches);
+        drop_shared_points(&mut patches, bodies);
         patches.iter_mut().for_each(PairPatch::anchor_all);
         patches
     }
@@ -291,6 +335,13 @@ impl PairPatch {
     /// Whether the part of a vertex opens.
     pub fn opens(&self, i: usize) -> bool {
         self.parts[self.vertices[i].0].opens
+    }
+
+    /// Whether a vertex is a crossing of an edge whose lower end has just passed the border: the end is the contact.
+    pub fn is_above_end(&self, i: usize) -> bool {
+        let (part, corner) = self.vertices[i];
+        let part = &self.parts[part];
+        matches!(part.topology.corners[corner], Corner::Crossing { .. }) && part.is_above_end(corner)
     }
 
     /// Whether points of contact move over the bodies without sliding: one of them is round.

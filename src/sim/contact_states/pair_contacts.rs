@@ -26,6 +26,9 @@ const NEAR: f64 = 1e-9;
 /// Distance, m, up to which corners near a border are one point.
 const POINT: f64 = 1e-6;
 
+/// Gap of a corner, m, of a patch that touches at others and is tilted.
+const TILTED: f64 = 1e-6;
+
 /// Time, s, after which bodies that touch are apart if they move apart.
 const SOON: f64 = 1e-6;
 
@@ -227,6 +230,9 @@ impl PairContacts {
     pub fn follow_states(&self, plant: &Plant) -> Option<Vec<PairPatch>> {
         let mechanisms = plant.objects.mechanisms(&plant.ws);
         with_topologies(plant, |s, patch, part| {
+            if plant.states[s].pattern == Pattern::Face {
+                return None;
+            }
             let clamped = |c: usize| is_clamped(patch, plant.states[s], part.position(c));
             let (a, b) = bodies(plant, &part.pair);
             let (pa, pb) = (a.placement(mechanisms), b.placement(mechanisms));
@@ -237,7 +243,9 @@ impl PairContacts {
             // The side of crossing edges is that of the present normal.
             let mut topology = part.topology.clone();
             let near = (0..patch.len()).map(|i| patch.point(i).gap).fold(NEAR, f64::max);
-            patches::topology(&a.shape, &pa, &b.shape, &pb, near, owner, None, &mut topology).then_some(topology)
+            let is_patch = patches::topology(&a.shape, &pa, &b.shape, &pb, near, owner, None, &mut topology);
+            // Where a vertex and a crossing are one point, the state may hold either.
+            (is_patch && topology.separates(patches::SEPARATES)).then_some(topology)
         })
     }
 
@@ -337,6 +345,7 @@ fn find_corners(
         && [(&pa, &pb), (&after_a, &after_b)]
             .into_iter()
             .all(|(pa, pb)| patches::validity(&part.topology, &a.shape, pa, &b.shape, pb, 1.0) >= VALID)
+        && !(step.is_none() && distance <= NEAR && owner.is_some_and(|owner| is_other_plane(plant, part, owner)))
     {
         return Found::Present;
     }
@@ -361,11 +370,28 @@ fn find_corners(
             None => return Found::Apart,
         }
     }
+    if present.is_some()
+        && step.is_none()
+        && let Some(flat) = patches::flat_topology(topology.owner, &a.shape, &pa, &b.shape, &pb, reach)
+    {
+        topology = flat;
+    }
     // Even with the same corners: their functions of validity begin anew.
     let mechanisms = plant.objects.mechanisms(&plant.ws);
     let part = Part::new(candidate.pair.clone(), topology, &plant.bodies, mechanisms);
     let opened = if present.is_some() && step.is_none() { opened(&part, plant, reach) } else { None };
     Found::Changed(Box::new(opened.unwrap_or(part)))
+}
+
+/// Whether a part whose state is free is about to touch along another feature than that of its plane, to which it is
+/// tilted: the motion of its corners is then not that of the gaps.
+fn is_other_plane(plant: &Plant, part: &Part, owner: Owner) -> bool {
+    let tilted = |patch: &PairPatch| (0..patch.len()).any(|i| patch.point(i).gap > TILTED);
+    let first = plant.polygons.len() - plant.pair_patches().count();
+    let mut patches = plant.pair_patches().enumerate();
+    let own = patches.find(|(_, patch)| patch.parts.iter().any(|other| other.pair.bodies == part.pair.bodies));
+    owner != part.topology.owner
+        && own.is_some_and(|(p, patch)| plant.states[first + p] == SoleState::FREE && tilted(patch))
 }
 
 /// The part on the feature along which the bodies move apart, if they do so at a point where several features
@@ -393,13 +419,15 @@ fn opened(part: &Part, plant: &Plant, reach: f64) -> Option<Part> {
     Some(other).filter(|other| other.opening_speed(NEAR) > plant.rest)
 }
 
-/// The face of body B that lies in the plane of a present patch of body A with the world, if one does.
+/// The face of body B that lies in the plane of a present patch of body A with another piece of the world, if one
+/// does.
 fn coplanar_face(plant: &Plant, pair: &Pair, b: &Body, pb: &Placement) -> Option<Owner> {
     if pair.links.1.is_some() {
         return None;
     }
     let parts = plant.pair_patches().flat_map(|patch| &patch.parts);
-    let mut planes = parts.filter(|part| part.pair.bodies.0 == pair.bodies.0).filter_map(Part::world_plane);
+    let is_neighbour = |part: &&Part| part.pair.bodies.0 == pair.bodies.0 && part.pair.bodies.1 != pair.bodies.1;
+    let mut planes = parts.filter(is_neighbour).filter_map(Part::world_plane);
     planes.find_map(|(n, p)| {
         let is_coplanar = |face: &Face| {
             let m = pb.rotation * face.normal;

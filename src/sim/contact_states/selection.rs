@@ -30,6 +30,9 @@ const ALTERNATING: usize = 3;
 /// bodies. Friction of sliding soles may add a little.
 const GAIN: f64 = 1e-3;
 
+/// Greatest number of times that patches follow the states at one choice.
+const FOLLOWED: usize = 4;
+
 /// Greatest number of turns of the rings of cylinders at one choice of states.
 const TURNS: usize = 8;
 
@@ -130,7 +133,11 @@ impl RunState {
             }
         }
         self.suspect.fill(0);
-        if self.follow_states() && self.deferral != Deferral::Due {
+        // Confirmed states may hold other vertices.
+        for _ in 0..FOLLOWED {
+            if !self.follow_states() || self.deferral == Deferral::Due {
+                break;
+            }
             self.confirm_states(observer)?;
         }
         self.plant.evaluate();
@@ -140,11 +147,21 @@ impl RunState {
     /// Chooses the states again after patches have followed them: the new problem has no split of an indeterminate
     /// load yet.
     fn confirm_states(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        for _ in 0..ROUNDS {
+            self.plant.evaluate_free();
+            self.plant.update_directions();
+            let selection = self.select(false, observer)?;
+            self.count(&selection);
+            if !selection.consistent {
+                break;
+            }
+            self.adopt(selection.states, observer)?;
+            if self.stop_clamped_directions() <= NO_CHANGE {
+                break;
+            }
+        }
         self.plant.evaluate_free();
-        self.plant.update_directions();
-        let selection = self.select(false, observer)?;
-        self.count(&selection);
-        if selection.consistent { self.adopt(selection.states, observer) } else { Ok(()) }
+        Ok(())
     }
 
     /// As [`choose_states`](Self::choose_states), with vertices slower than `speed` (m/s) set to

@@ -38,7 +38,7 @@ pub(super) fn set_vertices(
         v.bias = axes.tr_mul(&point.bias);
         v.moving = v.velocity.xy().norm_squared() > rest * rest;
         v.near = false;
-        v.leaves = patch.opens(i) && v.velocity.z > rest;
+        v.leaves = patch.opens(i) && v.velocity.z > rest || patch.is_above_end(i);
         mean += v.bias;
     }
     let k = sole.vertices.len();
