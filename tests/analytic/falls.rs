@@ -28,7 +28,7 @@ fn falls_keep_the_energy_balance_and_do_not_sink_in() {
         assert!(m.inconsistent == 0 && m.impacts > 5, "{what}: {m:?}");
         // Changes of corners are found up to 1e-9 m.
         assert!(m.max_penetration_m < 1e-8, "{what}: {} m", m.max_penetration_m);
-        // Energies are not under error control: at most 1e-5 J of some 100 J here, at least 1 mJ before.
+        // Energies are not under error control: at most 1e-5 J here, of 10 to 1000 J.
         assert!(m.max_energy_error_j < 2e-5, "{what}: {} J", m.max_energy_error_j);
     }
 }
