@@ -173,9 +173,9 @@ fn visit_face(topology: &Topology, roles: &Roles, f: &mut impl FnMut(f64)) {
             let corner = topology.corners.iter().position(|corner| roles.incident_vertex(corner) == Some(k));
             let inside = roles.inside_owner(&(r * x + p));
             f(signed(corner.is_some(), inside));
-            if corner.is_some_and(|c| is_on_border(topology, c, incident_edges(topology, roles, k), roles.other, roles))
-            {
-                f(-inside);
+            if let Some(c) = corner {
+                let edges = incident_edges(topology, roles, k);
+                f(if is_on_border(topology, c, edges, roles) { -inside } else { f64::INFINITY });
             }
         }
     }
@@ -184,8 +184,8 @@ fn visit_face(topology: &Topology, roles: &Roles, f: &mut impl FnMut(f64)) {
             let corner = topology.corners.iter().position(|corner| roles.owner_vertex(corner) == Some(k));
             let inside = roles.inside_incident(incident, &r, &p, roles.owner.vertex(k));
             f(signed(corner.is_some(), inside));
-            if corner.is_some_and(|c| is_on_border(topology, c, edges_at(face, k), roles.owner, roles)) {
-                f(-inside);
+            if let Some(c) = corner {
+                f(if is_on_border(topology, c, edges_at(face, k), roles) { -inside } else { f64::INFINITY });
             }
         }
     }
@@ -214,20 +214,28 @@ fn incident_edges(topology: &Topology, roles: &Roles, k: u16) -> [Option<u16>; 2
     }
 }
 
-/// Whether a corner, a vertex of `body` with these edges, is on the border of the other face: no neighbour is on one
-/// of its edges. Vertices of the other face may be.
-fn is_on_border(topology: &Topology, c: usize, edges: [Option<u16>; 2], body: &ConvexBody, roles: &Roles) -> bool {
+/// Whether a corner, a vertex with these edges, is on the border of the other face: no neighbour is on one of its
+/// edges.
+fn is_on_border(topology: &Topology, c: usize, edges: [Option<u16>; 2], roles: &Roles) -> bool {
     let count = topology.corners.len();
     if count == MAX_CORNERS {
         return false;
     }
     let is_owner = roles.owner_vertex(&topology.corners[c]).is_some();
-    let is_on = |edge: u16, corner: &Corner| {
-        let (own, others, crossing) = match (roles.owner_vertex(corner), roles.incident_vertex(corner)) {
-            (owner, incident) if is_owner => (owner, incident, roles.crossing(corner).map(|(side, _)| side)),
-            (owner, incident) => (incident, owner, roles.crossing(corner).map(|(_, edge)| edge)),
-        };
-        others.is_some() || crossing == Some(edge) || own.is_some_and(|k| body.edge(edge).ends.contains(&k))
+    let (r, p) = roles.relative();
+    // A vertex of the other face is on an edge at this corner if it is on the border of the face of the edge.
+    let is_border = |inside: f64| inside.abs() <= 10.0 * RESOLUTION;
+    let is_on = |edge: u16, corner: &Corner| match (roles.owner_vertex(corner), roles.incident_vertex(corner)) {
+        (Some(k), _) if is_owner => roles.owner.edge(edge).ends.contains(&k),
+        (_, Some(k)) if !is_owner => roles.other.edge(edge).ends.contains(&k),
+        (Some(k), _) => {
+            let inside = |face| roles.inside_incident(face, &r, &p, roles.owner.vertex(k));
+            topology.incident.is_none_or(|face| is_border(inside(face)))
+        }
+        (_, Some(k)) => is_border(roles.inside_owner(&(r * roles.other.vertex(k) + p))),
+        (None, None) => {
+            roles.crossing(corner).is_some_and(|(side, other)| if is_owner { side == edge } else { other == edge })
+        }
     };
     let neighbours = [(c + 1) % count, (c + count - 1) % count];
     let is_followed = |edge: u16| neighbours.iter().any(|&n| n != c && is_on(edge, &topology.corners[n]));
