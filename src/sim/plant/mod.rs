@@ -19,7 +19,7 @@ pub mod kinematic_joints;
 mod mechanism_states;
 mod object_forces;
 pub mod objects;
-mod pair_vertices;
+pub mod pair_vertices;
 mod parameters;
 pub mod polygon;
 pub mod sliding_directions;

@@ -13,7 +13,8 @@
 use super::{Plant, Polygon};
 use crate::contact::hybrid::projection::fit_plane;
 use crate::contact::model::problem::SoleProblem;
-use crate::dynamics::reduced::Reduced;
+use crate::dynamics::jacobian::link_twist;
+use crate::dynamics::reduced::{BodyId, Mechanisms, Reduced};
 use crate::sim::bodies::PairPatch;
 use nalgebra::Vector3;
 
@@ -47,6 +48,16 @@ pub(super) fn set_vertices(
     let turn = Vector3::new(tilt.y, tilt.z, 0.0);
     sole.vertices.iter_mut().for_each(|v| v.bias -= mean + turn.cross(&v.r));
     [mean.x, mean.y, mean.z, turn.x, turn.y, 0.0]
+}
+
+/// Greatest speed, m/s, of points of either body of a pair in reach of its patch, from `reference` on, world.
+pub fn fastest_side(patch: &PairPatch, mechanisms: Mechanisms, reference: &Vector3<f64>) -> f64 {
+    let (a, b) = patch.parts[0].pair.links;
+    let speed = |body: BodyId| {
+        let twist = link_twist(mechanisms.get(body.mechanism), body.link, reference);
+        twist.linear.norm() + twist.angular.norm() * patch.radius()
+    };
+    b.into_iter().map(speed).fold(speed(a), f64::max)
 }
 
 impl Plant {

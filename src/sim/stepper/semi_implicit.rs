@@ -14,6 +14,7 @@ use crate::contact::hybrid::projection::fit_gaps;
 use crate::contact::methods::contact_method::Scheme;
 use crate::contact::model::problem::Level;
 use crate::dynamics::reduced;
+use crate::sim::plant::pair_vertices::fastest_side;
 use crate::sim::report::Observer;
 use crate::sim::run::RunState;
 use crate::sim::run_error::RunError;
@@ -148,6 +149,7 @@ fn displace(sim: &mut RunState, dt: f64) {
 pub(super) fn set_velocity_problem(sim: &mut RunState, dt: f64) {
     let plant = &mut sim.plant;
     let scheme = plant.method.scheme();
+    let mechanisms = plant.objects.mechanisms(&plant.ws);
     let p = &mut plant.problem;
     (p.level, p.step) = (Level::Velocity, dt);
     for ((b, a), v) in p.b.iter_mut().zip(&plant.reduced.a0).zip(&plant.reduced.velocity) {
@@ -162,12 +164,16 @@ pub(super) fn set_velocity_problem(sim: &mut RunState, dt: f64) {
         // tolerance above the floor, and stops it there.
         let closes = matches!(scheme, Scheme::EventDriven | Scheme::TimeStepping);
         let fastest = p.soles[s].vertices.iter().map(|v| v.velocity.norm_squared()).fold(0.0, f64::max).sqrt();
+        // Impulses elsewhere may stop one of two bodies that move alike, so that the other one reaches it.
+        let pair = plant.polygons[s].pair().filter(|_| plant.polygons[s].is_between_mechanisms());
+        let speed = pair.map(|patch| fastest_side(patch, mechanisms, &plant.reduced.reference[s]));
+        let reach = speed.map_or(0.0, |speed| dt * (speed + dt * plant.gravity.norm()));
         for i in 0..p.soles[s].vertices.len() {
             let free = p.vertex_motion(&p.b, s, i).z;
             let v = &mut p.soles[s].vertices[i];
             // Near: the step may bring the vertex to the floor, possibly because impulses on
             // the other vertices turn the sole as fast as they approached.
-            v.near = v.height + dt * free.min(0.0) <= dt * fastest || v.height <= 0.0;
+            v.near = v.height + dt * free.min(0.0) <= dt * fastest || v.height <= reach;
             v.moving = false;
         }
         let sole = &p.soles[s];
