@@ -438,9 +438,14 @@ pub fn add_point_row(
     }
 }
 
-/// Block (s, other) of W and its mirror image.
+/// Block (s, other) of W and its mirror image. Of contacts without a common mechanism it remains zero.
 fn block(ws: Mechanisms, s: usize, other: usize, out: &mut Reduced) {
     let size = 6 * out.n;
+    let of_other = &out.sides[out.sides(other)];
+    let is_shared = |a: &Side| of_other.iter().any(|b| a.body.mechanism == b.body.mechanism);
+    if !out.sides[out.sides(s)].iter().any(is_shared) {
+        return;
+    }
     // Three columns at a time stay in registers.
     for first in [0, 3] {
         let mut sum = [[0.0; 6]; 3];

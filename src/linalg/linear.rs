@@ -221,10 +221,11 @@ impl Linear {
             for (row, g) in lower.chunks_exact_mut(n).zip(&mut greatest[k + 1..]) {
                 let f = row[k] * inverse;
                 row[k] = f;
+                // Otherwise the row stays as it is.
                 if f != 0.0 {
                     row[k + 1..].iter_mut().zip(pivot_row).for_each(|(x, p)| *x -= f * p);
+                    *g = largest(&row[k + 1..]);
                 }
-                *g = largest(&row[k + 1..]);
             }
         }
     }
@@ -333,7 +334,8 @@ fn solve_transposed<const N: usize>(rows: &[[f64; N]], inverse: &[f64], b: &mut 
     }
 }
 
-/// As [`eliminate_definite`], without writing below the diagonal.
+/// As [`eliminate_definite`], without writing below the diagonal. Zeros at the ends of rows are skipped:
+/// contacts of a stack act on their neighbours only.
 fn eliminate_definite_of_any_order(upper: &mut [f64], inverse: &mut [f64], least: f64) -> bool {
     let n = inverse.len();
     for (k, inverse) in inverse.iter_mut().enumerate() {
@@ -343,9 +345,10 @@ fn eliminate_definite_of_any_order(upper: &mut [f64], inverse: &mut [f64], least
             return false;
         }
         *inverse = 1.0 / pivot_row[k];
-        for (i, row) in below.chunks_exact_mut(n).enumerate().map(|(i, row)| (k + 1 + i, row)) {
+        let end = pivot_row.iter().rposition(|x| *x != 0.0).map_or(k, |last| last + 1);
+        for (i, row) in below.chunks_exact_mut(n).enumerate().map(|(i, row)| (k + 1 + i, row)).take(end - k - 1) {
             let f = pivot_row[i] * *inverse;
-            row[i..].iter_mut().zip(&pivot_row[i..]).for_each(|(x, p)| *x -= f * p);
+            row[i..end].iter_mut().zip(&pivot_row[i..end]).for_each(|(x, p)| *x -= f * p);
         }
     }
     true

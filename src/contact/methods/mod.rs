@@ -7,6 +7,8 @@
 //! | [`penalty`] | springs and dampers, regularised friction |
 //! | [`lcp`], [`ncp`] (on [`points`]) | time stepping on a polyhedral and on the round friction cone |
 //!
+//! [`islands`] splits a problem into those that do not act on each other.
+//!
 //! All implement the traits of [`contact_method`] and are listed in [`registry`]. Methods use
 //! `contact::model`, `contact::search` and `linalg`. `sim` calls them through the traits; scenarios
 //! and reports read the registry.
@@ -14,6 +16,7 @@
 pub mod contact_method;
 pub mod decision;
 pub mod exact;
+pub mod islands;
 pub mod lcp;
 pub mod ncp;
 pub mod one_step;

@@ -1,8 +1,9 @@
 //! The contact methods of this crate. A new method needs a file with its [`MethodDescriptor`] and a
 //! line in [`METHODS`]. Scenarios, schemas, combination rules and reports read the descriptor.
 
-use super::contact_method::{ContactMethod, ContactSolver};
+use super::contact_method::{ContactMethod, ContactSolver, Scheme};
 use super::exact::ExactParameters;
+use super::islands::Islands;
 use super::lcp::LcpParameters;
 use super::ncp::NcpParameters;
 use super::penalty::PenaltyParameters;
@@ -76,7 +77,13 @@ impl ContactMethod for RegisteredMethod {
     }
 
     fn solver(&self, p: &Problem) -> Box<dyn ContactSolver> {
-        (self.descriptor.solver)(&self.parameters, p)
+        let (make, parameters) = (self.descriptor.solver, self.parameters);
+        let whole = make(&parameters, p);
+        // Compliant contacts do not act on each other within a problem.
+        if p.soles.len() < 2 || whole.scheme() == Scheme::Compliant {
+            return whole;
+        }
+        Box::new(Islands::new(p, whole, Box::new(move |p| make(&parameters, p))))
     }
 
     fn parameters(&self) -> MethodParameters {

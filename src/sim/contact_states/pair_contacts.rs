@@ -80,6 +80,8 @@ pub struct PairContacts {
     starts: Vec<Placement>,
     /// Bounds of the ways of the bodies in this step, m.
     ways: Vec<f64>,
+    /// Bounds of the speeds of their points, m/s.
+    speeds: Vec<f64>,
 }
 
 impl PairContacts {
@@ -96,6 +98,7 @@ impl PairContacts {
             placements: Vec::new(),
             starts: Vec::new(),
             ways: Vec::new(),
+            speeds: Vec::new(),
         }
     }
 
@@ -199,10 +202,23 @@ impl PairContacts {
     pub fn find(&mut self, plant: &Plant, distance: f64, step: Option<f64>) -> Option<Vec<PairPatch>> {
         self.place(plant);
         self.found.clear();
+        self.speeds.clear();
+        let speed = |(body, placement): (&Body, &Placement)| {
+            let (centre, turn) = placement.speeds(&body.shape);
+            centre.norm() + turn
+        };
+        self.speeds.extend(plant.bodies.iter().zip(&self.placements).map(speed));
         let parts = plant.pair_patches().map(|patch| patch.parts.len()).sum::<usize>();
         let mut known = 0;
         let mut changed = false;
         for candidate in &mut self.candidates {
+            let (i, j) = candidate.pair.bodies;
+            let way = step.map_or(0.0, |dt| self::way(self.speeds[i] + self.speeds[j], plant, dt));
+            let (a, b) = bodies(plant, &candidate.pair);
+            if spheres_apart((a, &self.placements[i]), (b, &self.placements[j])) > KEPT * (distance + way) {
+                self.found.push(Found::Apart);
+                continue;
+            }
             let present = present_part(plant, &candidate.pair);
             let found = find_corners(candidate, present, plant, &self.placements, distance, step);
             known += usize::from(present.is_some());
@@ -213,7 +229,7 @@ impl PairContacts {
             };
             self.found.push(found);
         }
-        // Patches with distant terrain are no candidates.
+        // Patches of bodies that are far apart are no candidates, or not sought.
         if !changed && known == parts {
             return None;
         }
@@ -327,7 +343,7 @@ fn find_corners(
 ) -> Found {
     let (a, b) = bodies(plant, &candidate.pair);
     let (pa, pb) = (placements[candidate.pair.bodies.0], placements[candidate.pair.bodies.1]);
-    let way = step.map_or(0.0, |dt| 2.0 * dt * (fastest((a, &pa), (b, &pb)) + plant.gravity.norm() * dt));
+    let way = step.map_or(0.0, |dt| way(fastest((a, &pa), (b, &pb)), plant, dt));
     let near = distance + way;
     let reach = if present.is_some() { KEPT * near } else { near };
     if spheres_apart((a, &pa), (b, &pb)) > reach {
@@ -461,6 +477,11 @@ fn ahead(placement: &Placement, dt: f64) -> Placement {
 
 fn centre(body: &Body, placement: &Placement) -> Vector3<f64> {
     placement.point(&body.shape.centre)
+}
+
+/// Bound of the way of points in a step without located events, m, at this relative speed, m/s.
+fn way(speed: f64, plant: &Plant, dt: f64) -> f64 {
+    2.0 * dt * (speed + plant.gravity.norm() * dt)
 }
 
 /// Bound of the speed of points of one body relative to the other, m/s.
