@@ -70,6 +70,11 @@ impl Linear {
         }
     }
 
+    /// Rank of the last matrix.
+    pub fn rank(&self) -> usize {
+        self.rank
+    }
+
     /// Solves `A x = b` in place: `a` is n x n row-major and becomes its factors, `b` becomes x.
     /// Returns the rank.
     pub fn solve(&mut self, a: &mut [f64], b: &mut [f64]) -> usize {

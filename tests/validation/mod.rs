@@ -65,6 +65,7 @@ const ROWS: &[(&str, &[(&str, Truth)])] = &[
             ("box-over-edge", objects::over_edge),
             ("box-over-seams", objects::over_seams),
             ("block-slips-on-box", objects::slips_on_box),
+            ("boxes-in-line", objects::slip_in_line),
         ],
     ),
     (

@@ -86,3 +86,19 @@ pub fn slips_on_box(case: &Case, _: usize, metric: &str) -> Option<f64> {
         _ => None,
     }
 }
+
+/// A push that grows by k slips block and box at `mu (m + M) g / k`, then `(m + M) x'' = k t - mu (m + M) g`.
+pub fn slip_in_line(case: &Case, _: usize, metric: &str) -> Option<f64> {
+    let [ForceSpec::Ramp(push)] = case.run.scenario.force.as_slice() else { panic!("one ramp") };
+    let (mass, _, [x, y, z]) = object(case);
+    let ObjectSpec::Box(body) = &case.run.scenario.object[0] else { panic!("a box") };
+    let half = case.half();
+    assert!(x - half[0] - body.size[0] / 2.0 == 0.0 && y == 0.0 && z == body.size[2] / 2.0, "they touch, in line");
+    let (sum, rate) = (case.mass() + mass, push.force[0] / push.duration);
+    let slips = case.mu_s() * sum * G / rate;
+    match metric {
+        "first_slip_s" => Some(slips),
+        "final_base_shift_m" | "final_object_shift_m" => Some(rate * (case.duration() - slips).powi(3) / (6.0 * sum)),
+        _ => None,
+    }
+}

@@ -32,6 +32,9 @@ use crate::contact::search::load_split::LoadSplit;
 use crate::linalg::linear::Linear;
 use nalgebra::{Vector2, Vector3};
 
+/// Scale of the unknowns of sliding soles, for which no split is known, in N, where least departure from one is sought.
+const FREELY: f64 = 100.0;
+
 /// Six numbers: a wrench or a row over a sole's motion.
 type Six = [f64; 6];
 
@@ -195,13 +198,18 @@ impl CandidateSolver {
         }
         let dim = p.dim().max(1);
         let n = self.columns.len();
+        let is_split = p.level == Level::Acceleration && self.split.is_of(states);
+        // With a split, x is scaled where it is no departure from it.
+        let scale = |s: usize| if is_split && states[s].is_dynamic() { FREELY } else { 1.0 };
         for ((s, b), wb) in self.columns.iter().zip(self.wb.chunks_exact_mut(dim)) {
             b.response(p, *s, wb);
+            if scale(*s) != 1.0 {
+                wb.iter_mut().for_each(|y| *y *= scale(*s));
+            }
         }
         for (x, (s, row, target)) in self.x.iter_mut().zip(&self.rows) {
             *x = target - row.dot(&p.b[6 * s..]);
         }
-        let is_split = p.level == Level::Acceleration && self.split.is_of(states);
         if is_split {
             self.split.update(p);
             for (x, (s, row, _)) in self.x.iter_mut().zip(&self.rows) {
@@ -235,11 +243,17 @@ impl CandidateSolver {
         }
         for (c, (s, b)) in self.columns.iter().enumerate() {
             let x = self.x[c];
-            b.add_to(x, &mut out.wrench[6 * s..6 * s + 6]);
             for (m, y) in out.motion.iter_mut().zip(&self.wb[c * dim..(c + 1) * dim]) {
                 *m += y * x;
             }
+            self.x[c] *= scale(*s);
+            b.add_to(self.x[c], &mut out.wrench[6 * s..6 * s + 6]);
         }
+    }
+
+    /// Whether the loads of the last solve are not unique.
+    pub fn is_indeterminate(&self) -> bool {
+        self.linear.rank() < self.size
     }
 
     /// Response of the motions to a small wrench `six` (e) on sole `s` under the conditions of the

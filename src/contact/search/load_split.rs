@@ -10,6 +10,11 @@
 //! w = w0 + B x,     R W B x = target - R (b + c + W w0),     |x| least
 //! ```
 //!
+//! Forces of sliding soles are no part of w0: their x counts as a hundredth.
+//!
+//! A split on the border of a cone would fail with the next change of the load. Where the states fail with it, one as
+//! far inside the cones as there is takes its place.
+//!
 //! While the states last, the forces of w0 at the vertices stay the same, in the axes of their soles, so that the
 //! loads are continuous. Where the load is determinate, w does not depend on w0.
 

@@ -46,6 +46,7 @@ mod visits;
 
 use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::solution::{Solution, wrench_at};
+use crate::contact::model::state::States;
 use crate::contact::search::MANY;
 use crate::linalg::anderson::Anderson;
 use crate::linalg::cholesky::Symmetric;
@@ -57,6 +58,8 @@ use nalgebra::{Vector2, Vector3};
 const ITERATIONS: usize = 400;
 /// Most visits to all points.
 const VISITS: usize = 1000;
+/// The same for loads inside the cones, which are found soon if there are any.
+const ITERATIONS_INSIDE: usize = 100;
 /// Residuals at which the states are read, relative to load and motion: far below the forces and
 /// motions by which states differ, far above rounding.
 const ACCURATE: f64 = 1e-9;
@@ -75,6 +78,8 @@ struct Point {
     /// Motion without contact less the target.
     free: Vector3<f64>,
     mu: f64,
+    /// N0, zero but for [`PointForces::solve_inside`].
+    least: f64,
     /// Direction of a vertex in motion.
     direction: Option<Vector2<f64>>,
     /// f, y, l of the method.
@@ -172,6 +177,28 @@ impl PointForces {
         self.residual
     }
 
+    /// As [`solve`](Self::solve) for forces inside the cones of the vertices of static soles of `states`, `|t| <= share
+    /// mu (N - N0)`, with `N0 = (1 - share)` times the typical load of a vertex. Their dual condition is that of N - N0:
+    /// it is a solution of the problem only if they stay at rest.
+    pub fn solve_inside(&mut self, p: &Problem, states: &States, share: f64) -> f64 {
+        let touches = |s: usize, i: usize| states[s].clamps(i, p.soles[s].vertices.len());
+        self.begin(p, touches, None);
+        let least = (1.0 - share) * p.scale / self.points.len().max(1) as f64;
+        for point in self.points.iter_mut().filter(|point| states[point.sole].is_static()) {
+            (point.mu, point.least) = (point.mu * share, least);
+        }
+        // The rest of the force obeys the problem with the motion that N0 causes.
+        self.gather(|point| Vector3::z() * point.least);
+        for (m, row) in self.motion.iter_mut().zip(p.w.chunks_exact(p.dim())) {
+            *m = dot(row, &self.wrench);
+        }
+        for point in &mut self.points {
+            point.free += motion_at(&self.motion[6 * point.sole..6 * point.sole + 6], &point.r);
+        }
+        self.advance(p, ITERATIONS_INSIDE);
+        self.residual
+    }
+
     /// Poses the problem of the vertices for which `touches` holds. Iterations start from no forces,
     /// or from those of a solution times a factor.
     pub fn begin(&mut self, p: &Problem, touches: impl Fn(usize, usize) -> bool, start: Option<(&Solution, f64)>) {
@@ -194,6 +221,7 @@ impl PointForces {
                 r: v.r,
                 free,
                 mu,
+                least: 0.0,
                 direction,
                 force: split,
                 split,
@@ -319,7 +347,7 @@ impl PointForces {
 
     /// Motions of the soles with the forces of the last solve, 6F.
     pub fn motion(&mut self, p: &Problem) -> &[f64] {
-        self.gather(|point| point.split);
+        self.gather(|point| point.split + Vector3::z() * point.least);
         let rows = p.w.chunks_exact(p.dim());
         for ((m, b), row) in self.motion.iter_mut().zip(&p.b).zip(rows) {
             *m = b + row.iter().zip(&self.wrench).map(|(w, x)| w * x).sum::<f64>();
@@ -338,7 +366,7 @@ impl PointForces {
 
     /// Forces of the last solve, by sole and vertex, floor axes.
     pub fn forces(&self) -> impl Iterator<Item = (usize, usize, Vector3<f64>)> + '_ {
-        self.points.iter().map(|point| (point.sole, point.vertex, point.split))
+        self.points.iter().map(|point| (point.sole, point.vertex, point.split + Vector3::z() * point.least))
     }
 
     /// Scale of motions: the greatest without contact.

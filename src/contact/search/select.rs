@@ -165,6 +165,8 @@ pub struct Selector {
     solver: CandidateSolver,
     finder: DirectionFinder,
     points: PointForces,
+    /// Loads inside the friction cones.
+    inside: PointForces,
     screen: NeighbourScreen,
     /// Solution of the previous states, and the factor that makes forces of its loads.
     last: Solution,
@@ -196,6 +198,7 @@ impl Selector {
             solver: CandidateSolver::new(p),
             finder: DirectionFinder::new(p),
             points: PointForces::new(p),
+            inside: PointForces::new(p),
             screen: NeighbourScreen::new(p),
             last: Solution::new(p),
             last_factor: 0.0,
@@ -327,6 +330,9 @@ impl Selector {
             if unchanged && self.is_found() {
                 return true;
             }
+        }
+        if level == Level::Acceleration && self.push_inside(task, &starts[starts.len() - 1]) {
+            return true;
         }
         let near = if level == Level::Acceleration { NEAR } else { 0 };
         self.explore(task, unchanged, false, near);

@@ -281,10 +281,39 @@ impl RunState {
         Ok(())
     }
 
+    /// Counts and reports a change of the state of sole `s`.
+    pub(in crate::sim) fn report_change(
+        &mut self,
+        s: usize,
+        old: SoleState,
+        new: SoleState,
+        observer: &mut dyn Observer,
+    ) -> Result<(), RunError> {
+        let kind = match (old, new) {
+            (SoleState::FREE, _) => EventKind::Touchdown,
+            (_, SoleState::FREE) => EventKind::Liftoff,
+            _ if old.is_static() && new.is_dynamic() => EventKind::Slip,
+            _ if old.is_dynamic() && new.is_static() => EventKind::Stick,
+            _ => EventKind::State,
+        };
+        let first = match kind {
+            EventKind::Touchdown => Some(&mut self.metrics.first_touchdown_s),
+            EventKind::Liftoff => Some(&mut self.metrics.first_liftoff_s),
+            EventKind::Slip => Some(&mut self.metrics.first_slip_s),
+            EventKind::Stick => Some(&mut self.metrics.first_stick_s),
+            _ => None,
+        };
+        if let Some(first) = first {
+            first.get_or_insert(self.plant.state.time);
+        }
+        self.metrics.state_changes += 1;
+        let subject = self.plant.polygons[s].name().to_owned();
+        self.event(observer, kind, &subject, &format!("{old} to {new}"))
+    }
+
     /// Adopts the states: counts and reports changes, and anchors the vertices of soles that
     /// changed.
     pub(in crate::sim) fn adopt(&mut self, states: States, observer: &mut dyn Observer) -> Result<(), RunError> {
-        let t = self.plant.state.time;
         for s in 0..self.plant.problem.soles.len() {
             let (old, new) = (self.plant.states[s], states[s]);
             for (d, v) in self.plant.directions[s].iter_mut().zip(&self.plant.problem.soles[s].vertices) {
@@ -298,26 +327,7 @@ impl RunState {
                 anchor(self, s);
                 continue;
             }
-            let kind = match (old, new) {
-                (SoleState::FREE, _) => EventKind::Touchdown,
-                (_, SoleState::FREE) => EventKind::Liftoff,
-                _ if old.is_static() && new.is_dynamic() => EventKind::Slip,
-                _ if old.is_dynamic() && new.is_static() => EventKind::Stick,
-                _ => EventKind::State,
-            };
-            let first = match kind {
-                EventKind::Touchdown => Some(&mut self.metrics.first_touchdown_s),
-                EventKind::Liftoff => Some(&mut self.metrics.first_liftoff_s),
-                EventKind::Slip => Some(&mut self.metrics.first_slip_s),
-                EventKind::Stick => Some(&mut self.metrics.first_stick_s),
-                _ => None,
-            };
-            if let Some(first) = first {
-                first.get_or_insert(t);
-            }
-            self.metrics.state_changes += 1;
-            let subject = self.plant.polygons[s].name().to_owned();
-            self.event(observer, kind, &subject, &format!("{old} to {new}"))?;
+            self.report_change(s, old, new, observer)?;
             if new != SoleState::FREE {
                 anchor(self, s);
             }

@@ -27,7 +27,8 @@
 //! The run also advances so where the direct search finds no valid state at an instant, instead of
 //! searching all states: near jams, or where a vertex about which a sole turns begins to slip.
 //!
-//! After some time in the mode the states are chosen again and located events resume. If the states
+//! After some time in the mode the changes of states since its start are reported, the states are chosen
+//! again and located events resume. If the states
 //! still alternate, the mode returns after fewer events, and stays for twice as long.
 
 use super::semi_implicit::{apply_step, evaluate_step, set_velocity_problem, show_forces};
@@ -36,7 +37,7 @@ use crate::contact::model::state::States;
 use crate::integrate::{StepControl, error_norm};
 use crate::math;
 use crate::sim::event_kind::EventKind;
-use crate::sim::plant::StateLayout;
+use crate::sim::plant::{Polygon, StateLayout};
 use crate::sim::report::Observer;
 use crate::sim::run::{Deferral, RunState};
 use crate::sim::run_error::RunError;
@@ -77,6 +78,8 @@ pub struct SlidingMode {
     only_creep: bool,
     /// Did the last one begin with creep?
     has_crept: bool,
+    /// States in which it began, with the names of their polygons.
+    entered: (Vec<String>, States),
     /// Start of the present mode, s, and instant of the next trial.
     since: f64,
     trial: f64,
@@ -99,6 +102,11 @@ pub struct SlidingMode {
     sole_forces: Vec<Vector3<f64>>,
 }
 
+/// Names of the polygons.
+fn names(sim: &RunState) -> impl Iterator<Item = &str> {
+    sim.plant.polygons.iter().map(Polygon::name)
+}
+
 impl SlidingMode {
     /// Shortest step, s: an impact within a step has an error at any size.
     pub const SHORTEST: f64 = 1e-6;
@@ -112,6 +120,7 @@ impl SlidingMode {
             creeping: 0,
             only_creep: false,
             has_crept: false,
+            entered: Default::default(),
             since: 0.0,
             trial: 0.0,
             stay: STAYS.0,
@@ -163,7 +172,7 @@ impl SlidingMode {
         if 2 * distinct > needed {
             return Ok(());
         }
-        self.begin(t, if only_creep { STAYS_OF_CREEP } else { STAYS });
+        self.begin(sim, if only_creep { STAYS_OF_CREEP } else { STAYS });
         self.only_creep = only_creep;
         let message = format!("begins: {needed} events between {distinct} states within {span:.3e} s");
         sim.event(observer, EventKind::SlidingMode, "", &message)
@@ -175,7 +184,7 @@ impl SlidingMode {
             return Ok(false);
         }
         sim.deferral = Deferral::Allowed;
-        self.begin(sim.plant.state.time, STAYS_WITHOUT_STATE);
+        self.begin(sim, STAYS_WITHOUT_STATE);
         sim.event(observer, EventKind::SlidingMode, "", "begins: no valid state near the solved contact problem")?;
         // States and forces at this instant are those of a first step.
         let states = sim.plant.states.clone();
@@ -188,8 +197,10 @@ impl SlidingMode {
         Ok(true)
     }
 
-    /// Begins a mode at the time `t`. The first of several in a row lasts for `first`.
-    fn begin(&mut self, t: f64, (first, longest): (f64, f64)) {
+    /// Begins a mode. The first of several in a row lasts for `first`.
+    fn begin(&mut self, sim: &RunState, (first, longest): (f64, f64)) {
+        let t = sim.plant.state.time;
+        self.entered = (names(sim).map(str::to_owned).collect(), sim.plant.states.clone());
         self.stay = if t < self.passed { (2.0 * self.stay).clamp(first, longest) } else { first };
         (self.is_active, self.since, self.trial, self.h) = (true, t, t + self.stay, FIRST_STEP);
         self.control = StepControl::new(2);
@@ -204,6 +215,15 @@ impl SlidingMode {
         self.passed = t + self.stay;
         let message = format!("ends after {:.6e} s", t - self.since);
         sim.event(observer, EventKind::SlidingMode, "", &message)?;
+        let (polygons, states) = std::mem::take(&mut self.entered);
+        if names(sim).eq(polygons.iter().map(String::as_str)) {
+            for s in 0..polygons.len() {
+                let (old, new) = (states[s], sim.plant.states[s]);
+                if old != new {
+                    sim.report_change(s, old, new, observer)?;
+                }
+            }
+        }
         sim.choose_states(observer)?;
         self.begin_deferred(sim, observer)?;
         Ok(())

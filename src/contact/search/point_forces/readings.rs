@@ -1,6 +1,6 @@
 //! States that the solved contact problem indicates.
 
-use super::{Point, PointForces};
+use super::{Point, PointForces, SLIPS};
 use crate::contact::model::problem::Problem;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
 
@@ -24,6 +24,12 @@ impl PointForces {
             }
         }
         states
+    }
+
+    /// Whether the vertices of static soles do not move.
+    pub fn rests(&self, states: &States) -> bool {
+        let most = SLIPS * self.drive();
+        self.points.iter().filter(|point| states[point.sole].is_static()).all(|point| point.dual.norm() <= most)
     }
 
     /// States of sole `s` on fewer vertices than carry it: edges both of whose vertices do, then

@@ -3,7 +3,7 @@
 use super::{Selector, Task, all_states};
 use crate::contact::model::problem::{Level, Problem, Vertex};
 use crate::contact::model::solution::Solution;
-use crate::contact::model::state::States;
+use crate::contact::model::state::{SoleState, States};
 use crate::contact::search::judge::Assessment;
 use crate::contact::search::load_split::LoadSplit;
 use crate::contact::search::point_forces::{LEAST_SLIPS, SLIPS};
@@ -42,6 +42,9 @@ const TAKEN: f64 = 1e-7;
 const TAKEN_LATE: f64 = 1e-5;
 const TAKEN_LAST: f64 = 1e-3;
 const MANY: usize = 200;
+
+/// Shares of their friction within which splits of an indeterminate load are sought.
+const INSIDE: [f64; 9] = [0.5, 0.8, 0.95, 0.99, 1.0 - 1e-3, 1.0 - 1e-4, 1.0 - 1e-5, 1.0 - 1e-6, 1.0 - 1e-7];
 
 /// Force of a vertex that carries, relative to the greatest.
 const CARRIES: f64 = 1e-6;
@@ -179,7 +182,7 @@ impl Selector {
         }
         for i in (0..readings.len()).filter(new) {
             self.push_split(task, &states[i]);
-            if self.is_found() {
+            if self.is_found() || self.push_inside(task, &states[i]) {
                 return;
             }
         }
@@ -232,20 +235,70 @@ impl Selector {
     /// Tests states of which static soles failed again, with the split of their loads that the solved contact
     /// problem has.
     fn push_split(&mut self, task: &mut Task, states: &States) {
-        let Some(entry) = self.queue.iter().find(|e| e.states == *states) else { return };
-        let Assessment { faults, levels, .. } = &entry.assessment;
-        let fails = |s: usize| states[s].is_static() && (faults[s].pulling || faults[s].friction);
-        let p = &*task.p;
-        let applies = levels[0] == 0.0 && LoadSplit::may_apply(p, states) && (0..p.soles.len()).any(fails);
-        if !applies || self.has_tried_enough(task) {
+        if !LoadSplit::may_apply(task.p, states) || !self.fails_static(task.p, states) || self.has_tried_enough(task) {
             return;
         }
-        self.solver.split.set(p, states, self.points.forces());
+        self.solver.split.set(task.p, states, self.points.forces());
         self.forget(states);
         self.push_solution(task, states, true);
         if !self.is_found() {
             self.solver.split.clear();
         }
+    }
+
+    /// Tests states of which static soles fail with splits of their loads as far inside the friction cones as there
+    /// are some, so that they last. Returns whether one is valid. Only indeterminate loads have several.
+    pub(super) fn push_inside(&mut self, task: &mut Task, states: &States) -> bool {
+        let is_shared = (0..task.p.soles.len()).filter(|&s| states[s] != SoleState::FREE).count() > 1;
+        if !is_shared || !self.fails_static(task.p, states) {
+            return false;
+        }
+        self.solver.solve(task.p, states, task.out);
+        self.in_place = None;
+        if !self.solver.is_indeterminate() {
+            return false;
+        }
+        // The last share is the easiest.
+        let mut first = INSIDE.len() - 1;
+        if !self.has_inside(task.p, states, INSIDE[first]) {
+            return false;
+        }
+        let mut failed = 0;
+        while failed < first {
+            let middle = (failed + first) / 2;
+            if self.has_inside(task.p, states, INSIDE[middle]) {
+                first = middle;
+            } else {
+                failed = middle + 1;
+            }
+        }
+        for share in &INSIDE[first..] {
+            if self.has_inside(task.p, states, *share) {
+                self.solver.split.set(task.p, states, self.inside.forces());
+                self.forget(states);
+                self.guess = Some(slips::slips(task.p, states, self.inside.motion(task.p)));
+                self.push_briefly(task, states);
+                self.guess = None;
+                if self.is_found() {
+                    return true;
+                }
+            }
+        }
+        self.solver.split.clear();
+        false
+    }
+
+    /// Whether static soles rest with loads within this share of their friction, which are then in `inside`.
+    fn has_inside(&mut self, p: &Problem, states: &States, share: f64) -> bool {
+        self.inside.solve_inside(p, states, share) <= SOLVED && self.inside.rests(states)
+    }
+
+    /// Whether the states have failed by the loads of static soles.
+    fn fails_static(&self, p: &Problem, states: &States) -> bool {
+        let Some(entry) = self.queue.iter().find(|e| e.states == *states) else { return false };
+        let Assessment { faults, levels, .. } = &entry.assessment;
+        let fails = |s: usize| states[s].is_static() && (faults[s].pulling || faults[s].friction);
+        levels[0] == 0.0 && (0..p.soles.len()).any(fails)
     }
 
     /// Tests states in which a sole at fault rests on a part of the vertices that carry it as points:
