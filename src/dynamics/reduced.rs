@@ -20,11 +20,14 @@
 //! columns of Y are nonzero on its support chain only, and two chains share a leading part, so both
 //! are short contiguous sums.
 
+mod blocks;
+
 use super::factor;
 use super::jacobian::classical;
 use super::spatial::Motion;
 use super::workspace::Workspace;
 use crate::robot::{LinkId, Model, Sole, SoleId};
+use blocks::{Block, Term};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
@@ -123,6 +126,10 @@ pub struct Reduced {
     /// Sides of all contacts, and the first of each.
     sides: Vec<Side>,
     side_start: Vec<usize>,
+    /// Blocks of W that are not always zero, by contact, and the first of each contact.
+    blocks: Vec<Block>,
+    block_start: Vec<usize>,
+    terms: Vec<Term>,
     /// Y: for each side and each velocity of its support chain, six numbers.
     y: Vec<[f64; 6]>,
     /// Position of the row of L of each of these velocities among its entries.
@@ -158,6 +165,9 @@ impl Reduced {
             local_arms: Vec::new(),
             sides: Vec::new(),
             side_start: vec![0],
+            blocks: Vec::new(),
+            block_start: vec![0],
+            terms: Vec::new(),
             y: Vec::new(),
             rows: Vec::new(),
             half: vec![0.0; nv],
@@ -179,6 +189,7 @@ impl Reduced {
             }
             out.vertex_start.push(out.local_arms.len());
             out.side_start.push(out.sides.len());
+            out.add_blocks(ws);
             out.n += 1;
         }
         let n = out.n;
@@ -280,9 +291,7 @@ pub fn assemble_with_geometry<'a>(ws: impl Into<Mechanisms<'a>>, tau: &[f64], ou
         }
         free_motion(ws, s, out);
         remove_prescribed(ws, s, out);
-        for other in 0..=s {
-            block(ws, s, other, out);
-        }
+        blocks::multiply(s, out);
     }
 }
 
@@ -434,43 +443,6 @@ pub fn add_point_row(
         let r = point - of.position;
         for &k in of.support(side.body.link) {
             out[side.offset + k] += side.sign * g.dot(&of.axes[k].at(&r));
-        }
-    }
-}
-
-/// Block (s, other) of W and its mirror image. Of contacts without a common mechanism it remains zero.
-fn block(ws: Mechanisms, s: usize, other: usize, out: &mut Reduced) {
-    let size = 6 * out.n;
-    let of_other = &out.sides[out.sides(other)];
-    let is_shared = |a: &Side| of_other.iter().any(|b| a.body.mechanism == b.body.mechanism);
-    if !out.sides[out.sides(s)].iter().any(is_shared) {
-        return;
-    }
-    // Three columns at a time stay in registers.
-    for first in [0, 3] {
-        let mut sum = [[0.0; 6]; 3];
-        for a in &out.sides[out.sides(s)] {
-            let of = ws.get(a.body.mechanism);
-            let chain = of.support(a.body.link);
-            for b in out.sides[out.sides(other)].iter().filter(|b| b.body.mechanism == a.body.mechanism) {
-                let shared = chain.iter().zip(of.support(b.body.link)).take_while(|(i, j)| i == j).count();
-                let ya = &out.y[a.start..][..shared];
-                let yb = &out.y[b.start..][..shared];
-                for (ya, yb) in ya.iter().zip(yb) {
-                    for (column, &b) in sum.iter_mut().zip(&yb[first..]) {
-                        for (x, &a) in column.iter_mut().zip(ya) {
-                            *x += a * b;
-                        }
-                    }
-                }
-            }
-        }
-        for (c, column) in sum.iter().enumerate().map(|(c, column)| (6 * other + first + c, column)) {
-            out.w[6 * s + size * c..][..6].copy_from_slice(column);
-            // A block on the diagonal is its own mirror image.
-            if s != other {
-                column.iter().enumerate().for_each(|(r, x)| out.w[c + size * (6 * s + r)] = *x);
-            }
         }
     }
 }

@@ -25,6 +25,7 @@ pub struct Islands {
     make: Factory,
     /// First sole of the island of each sole.
     roots: Vec<usize>,
+    is_one: bool,
     /// The islands; none if all soles are one.
     parts: Vec<Island>,
 }
@@ -41,11 +42,14 @@ struct Island {
 impl Islands {
     /// For problems of the size of `p`, which `whole` solves. `make` makes the solvers of islands.
     pub fn new(p: &Problem, whole: Box<dyn ContactSolver>, make: Factory) -> Self {
-        Islands { whole, make, roots: (0..p.soles.len()).collect(), parts: Vec::new() }
+        Islands { whole, make, roots: (0..p.soles.len()).collect(), is_one: false, parts: Vec::new() }
     }
 
     /// Joins the islands between which W is not zero. Allocates only if there are any.
     fn update(&mut self, p: &Problem) {
+        if self.is_one {
+            return;
+        }
         let count = p.soles.len();
         let mut is_changed = self.parts.is_empty();
         for s in 0..count {
@@ -64,7 +68,8 @@ impl Islands {
 
     fn part(&mut self, p: &Problem) {
         self.parts.clear();
-        if self.roots.iter().all(|root| *root == 0) {
+        self.is_one = self.roots.iter().all(|root| *root == 0);
+        if self.is_one {
             return;
         }
         for root in 0..self.roots.len() {
