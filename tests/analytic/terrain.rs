@@ -82,6 +82,35 @@ fn a_box_slides_alike_on_every_level_surface() {
     }
 }
 
+/// A box slides obliquely over seams between pieces: at each instant its velocity is v0 - mu g t, so that no seam
+/// changes it.
+#[test]
+fn no_seam_changes_the_velocity_of_a_box() {
+    let folder = tempfile::tempdir().unwrap();
+    let (v0, mu) = (Vector3::new(1.92, 0.56, 0.0), 0.4);
+    let has_seams = |(name, _): &(&str, String)| ["seam", "height field", "mesh"].contains(name);
+    for (name, surface) in surfaces(folder.path()).into_iter().filter(has_seams) {
+        let mut sim = simulation(&format!(
+            "{TIGHT}duration = 0.4
+            robot = {{ model = \"robots/ground/ground.urdf\" }}
+            object = [{{ type = \"box\", size = [0.2, 0.1, 0.1], mass = 2.0, position = [-0.3, 0, 0.3], linear_velocity = [1.92, 0.56, 0] }}]
+            {surface}"
+        ));
+        sim.begin(&mut NullObserver).unwrap();
+        let mut steps = 0;
+        while sim.plant().state.time < 0.4 {
+            sim.step(&mut NullObserver).unwrap();
+            let (t, state) = (sim.plant().state.time, &sim.plant().objects.list[0].state);
+            let expected = v0 - v0.normalize() * (mu * G * t);
+            let error = (0..3).map(|k| (state.v[k] - expected[k]).abs().max(state.v[3 + k].abs())).fold(0.0, f64::max);
+            assert!(error < 1e-12, "{name} {t} {error:e}");
+            steps += 1;
+        }
+        let position = sim.plant().objects.list[0].state.position;
+        assert!(steps > 4 && position.x > 0.1, "{name} {steps} {position}");
+    }
+}
+
 /// The soles of a robot on each of them.
 #[test]
 fn a_block_slides_alike_on_every_level_surface() {
