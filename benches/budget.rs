@@ -7,6 +7,7 @@ use divan::{Bencher, black_box};
 
 mod collision;
 mod dynamics;
+mod objects;
 mod scripts;
 mod stepping;
 mod watched;

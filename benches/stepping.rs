@@ -41,7 +41,7 @@ fn setup(method: &str, integrator: &str) -> Setup {
     setup_of(&root.join("bench.toml"), &text)
 }
 
-fn setup_of(path: &Path, text: &str) -> Setup {
+pub(super) fn setup_of(path: &Path, text: &str) -> Setup {
     let file = scenario::parse(path, text).unwrap_or_else(|e| panic!("{e}"));
     let run = file.expand(&[]).expect("a single run").remove(0);
     let robot = robot::load(&run.resolve(&run.scenario.robot.model)).expect("a robot");
@@ -54,7 +54,7 @@ fn swaying(method: &str, integrator: &str) -> Simulation {
 }
 
 /// A run after some steps.
-fn after(setup: Setup, steps: usize) -> Simulation {
+pub(super) fn after(setup: Setup, steps: usize) -> Simulation {
     let mut sim = Simulation::new(setup).expect("the physics can do it");
     sim.begin(&mut NullObserver).expect("it begins");
     (0..steps).for_each(|_| sim.step(&mut NullObserver).expect("it steps"));
