@@ -27,6 +27,11 @@
 //! - `ties`: other owners of the same separation.
 //! - `reowner`: changes of the owner when only some corners stay in contact.
 //!
+//! Queries of `parry3d` do not take the place of these: version 0.31 gives distances of boxes and hulls to 3e-16 m, but
+//! of cylinders to 1.6e-9 m (20000 random poses 0 to 1 mm above a box), and none tells the features that own the plane.
+//! Corners, plane and validity follow the motion of these between events. Pieces of terrain also need to know which of
+//! their faces others cover.
+//!
 //! Units: m, s, rad.
 //!
 //! Imports: `math`. Used by: `sim`, `assemble`.

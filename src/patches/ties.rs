@@ -11,18 +11,17 @@ use super::{
 /// Greatest gap, m, of corners of a face that touch at an instant at which its normal is that of a pair of edges.
 const FLAT: f64 = 10.0 * RESOLUTION;
 
-/// The patch of a face at the features of `owner`, no face itself, that touches at two corners or more: an edge that
-/// turns about its crossing with a side of a face has come to lie in the face, and crosses another side as well.
-/// `near`: as for [`topology`].
+/// The patch of a face that touches at two corners or more: of `present`, the owner so far, or of a face at the
+/// features of `owner`, if that is no face. An edge that turns about its crossing with a side of a face has come to
+/// lie in the face, and crosses another side as well. `near`: as for [`topology`].
 pub fn flat_topology(
-    owner: Owner,
+    [owner, present]: [Owner; 2],
     a: &ConvexBody,
     pa: &Placement,
     b: &ConvexBody,
     pb: &Placement,
     near: f64,
 ) -> Option<Topology> {
-    let (of_a, of_b) = owner.features()?;
     let mut found = Topology::default();
     let mut at = PatchGeometry::default();
     let mut is_flat = |face: Owner| {
@@ -32,9 +31,11 @@ pub fn flat_topology(
             touching > 1 && at.points.iter().all(|point| point.gap >= -FLAT)
         }
     };
-    let has_face =
-        faces_at(b, of_b).any(|k| is_flat(Owner::FaceOfB(k))) || faces_at(a, of_a).any(|k| is_flat(Owner::FaceOfA(k)));
-    has_face.then_some(found)
+    let remains = owner != present && present.features().is_none() && is_flat(present);
+    let mut has_face = |(of_a, of_b)| {
+        faces_at(b, of_b).any(|k| is_flat(Owner::FaceOfB(k))) || faces_at(a, of_a).any(|k| is_flat(Owner::FaceOfA(k)))
+    };
+    (remains || owner.features().is_some_and(&mut has_face)).then_some(found)
 }
 
 /// Touchable faces of a body at an edge.

@@ -41,13 +41,20 @@ fn an_edge_that_comes_to_lie_in_a_face_touches_at_both_borders() {
         let owner = pair.touch();
         (pair, owner)
     };
-    let flat = |(pair, owner): &(Pair, Owner)| flat_topology(*owner, &pair.a, &pair.pa, &pair.b, &pair.pb, 1.0);
+    let flat = |(pair, owner): &(Pair, Owner)| flat_topology([*owner; 2], &pair.a, &pair.pa, &pair.b, &pair.pb, 1.0);
     let nearly = pair(1e-9);
     assert!(matches!(nearly.1, Owner::Edges(..)), "{:?}", nearly.1);
     let found = flat(&nearly).unwrap();
     assert!(matches!(found.owner, Owner::FaceOfA(_)), "{found:?}");
     let gaps = nearly.0.geometry(&found).points.iter().filter(|point| point.gap.abs() < 1e-9).count();
     assert_eq!(gaps, 2, "{found:?}");
+    // The face that owned the plane keeps it, though another has the same distance.
+    let top = Owner::FaceOfB(table.faces.iter().position(|face| face.normal.z > 0.5).unwrap() as u16);
+    let of = |owners: [Owner; 2], (pair, _): &(Pair, Owner)| {
+        flat_topology(owners, &pair.a, &pair.pa, &pair.b, &pair.pb, 1.0).map(|found| found.owner)
+    };
+    assert_eq!(of([top, found.owner], &nearly), Some(found.owner));
+    assert_eq!(of([found.owner, top], &nearly), None);
     let tilted = pair(1e-4);
     assert!(matches!(tilted.1, Owner::Edges(..)) && flat(&tilted).is_none(), "{:?}", tilted.1);
 }

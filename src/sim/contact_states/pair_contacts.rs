@@ -386,11 +386,11 @@ fn find_corners(
             None => return Found::Apart,
         }
     }
-    if present.is_some()
-        && step.is_none()
-        && let Some(flat) = patches::flat_topology(topology.owner, &a.shape, &pa, &b.shape, &pb, reach)
-    {
-        topology = flat;
+    if let Some(part) = present.filter(|_| step.is_none()) {
+        let owners = [topology.owner, part.topology.owner];
+        if let Some(flat) = patches::flat_topology(owners, &a.shape, &pa, &b.shape, &pb, reach) {
+            topology = flat;
+        }
     }
     // Even with the same corners: their functions of validity begin anew.
     let mechanisms = plant.objects.mechanisms(&plant.ws);
