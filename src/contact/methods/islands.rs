@@ -5,8 +5,8 @@
 //! the scale and the tolerances of the whole. A search then tries the states of one island at a time,
 //! and the cost grows linearly with their number.
 //!
-//! Islands only grow, by blocks that were zero before, until the solver is replaced. A problem of one
-//! island is passed on as it is.
+//! The first problem makes the islands, which allocates. They only grow, by blocks that were zero before,
+//! until the solver is replaced. A problem of one island is passed on as it is.
 
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput, StoredEnergy};
 use crate::contact::model::problem::{Problem, SoleProblem};
@@ -25,6 +25,7 @@ pub struct Islands {
     make: Factory,
     /// First sole of the island of each sole.
     roots: Vec<usize>,
+    /// Whether all soles have been found to be one island.
     is_one: bool,
     /// The islands; none if all soles are one.
     parts: Vec<Island>,
@@ -66,6 +67,7 @@ impl Islands {
         }
     }
 
+    /// Makes the islands of the present roots.
     fn part(&mut self, p: &Problem) {
         self.parts.clear();
         self.is_one = self.roots.iter().all(|root| *root == 0);
@@ -240,6 +242,7 @@ impl ContactSolver for Islands {
     }
 
     fn stored(&self, p: &Problem) -> StoredEnergy {
+        // Of all vertices, whatever acts on what.
         self.whole.stored(p)
     }
 }

@@ -38,7 +38,8 @@ pub struct LoadSplit {
 impl LoadSplit {
     /// None, for problems of this size.
     pub fn new(p: &Problem) -> Self {
-        LoadSplit { states: None, forces: Vec::new(), wrench: vec![0.0; p.dim()], motion: vec![0.0; p.dim()] }
+        let forces = Vec::with_capacity(p.vertex_indices().count());
+        LoadSplit { states: None, forces, wrench: vec![0.0; p.dim()], motion: vec![0.0; p.dim()] }
     }
 
     /// Whether loads of these states have a split.

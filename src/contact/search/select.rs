@@ -9,7 +9,7 @@
 //!
 //! The order `direct` searches
 //!
-//! 1. near the state that continuity suggests;
+//! 1. near the state that continuity suggests, first with an indeterminate load split inside the friction cones;
 //! 2. near the states of the contact problem solved with every vertex as a point
 //!    ([`point_forces`](super::point_forces)): first briefly, with the slips of that solution as the
 //!    only guess, then on parts of the carrying vertices, then thoroughly;

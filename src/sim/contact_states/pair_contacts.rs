@@ -213,7 +213,7 @@ impl PairContacts {
         let mut changed = false;
         for candidate in &mut self.candidates {
             let (i, j) = candidate.pair.bodies;
-            let way = step.map_or(0.0, |dt| self::way(self.speeds[i] + self.speeds[j], plant, dt));
+            let way = step.map_or(0.0, |dt| way_in_step(self.speeds[i] + self.speeds[j], plant, dt));
             let (a, b) = bodies(plant, &candidate.pair);
             if spheres_apart((a, &self.placements[i]), (b, &self.placements[j])) > KEPT * (distance + way) {
                 self.found.push(Found::Apart);
@@ -343,7 +343,7 @@ fn find_corners(
 ) -> Found {
     let (a, b) = bodies(plant, &candidate.pair);
     let (pa, pb) = (placements[candidate.pair.bodies.0], placements[candidate.pair.bodies.1]);
-    let way = step.map_or(0.0, |dt| way(fastest((a, &pa), (b, &pb)), plant, dt));
+    let way = step.map_or(0.0, |dt| way_in_step(fastest((a, &pa), (b, &pb)), plant, dt));
     let near = distance + way;
     let reach = if present.is_some() { KEPT * near } else { near };
     if spheres_apart((a, &pa), (b, &pb)) > reach {
@@ -480,7 +480,7 @@ fn centre(body: &Body, placement: &Placement) -> Vector3<f64> {
 }
 
 /// Bound of the way of points in a step without located events, m, at this relative speed, m/s.
-fn way(speed: f64, plant: &Plant, dt: f64) -> f64 {
+fn way_in_step(speed: f64, plant: &Plant, dt: f64) -> f64 {
     2.0 * dt * (speed + plant.gravity.norm() * dt)
 }
 

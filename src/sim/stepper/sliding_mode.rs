@@ -28,8 +28,8 @@
 //! searching all states: near jams, or where a vertex about which a sole turns begins to slip.
 //!
 //! After some time in the mode the changes of states since its start are reported, the states are chosen
-//! again and located events resume. If the states
-//! still alternate, the mode returns after fewer events, and stays for twice as long.
+//! again and located events resume. If the states still alternate, the mode returns after fewer events, and
+//! stays for twice as long. Changes are not reported if polygons have come or gone since its start.
 
 use super::semi_implicit::{apply_step, evaluate_step, set_velocity_problem, show_forces};
 use super::step_size::StepSize;
