@@ -9,6 +9,7 @@
 
 use super::ConvexBody;
 use nalgebra::{Vector2, Vector3};
+use std::collections::{HashMap, HashSet};
 
 /// Distance from the plane of a face, relative to the size of the hull.
 const COPLANAR: f64 = 1e-9;
@@ -165,7 +166,10 @@ fn outline(ring: &mut Vec<u16>, vertices: &[Vector3<f64>], normal: &Vector3<f64>
     half(&mut points.iter().rev().copied());
 }
 
-/// Triangles of the convex hull, by adding one point after the other.
+/// Triangles of the convex hull, by adding one point after the other. Each removes the triangles that it sees, as
+/// far as they are connected with the one that it sees best, and makes a cone over their horizon. Nearly coplanar
+/// points may leave a horizon that is no single ring; then the point is above fewer triangles, or, as
+/// it is hardly outside, left out.
 fn convex_hull(points: &[Vector3<f64>]) -> Option<Vec<[u32; 3]>> {
     let farthest =
         |f: &dyn Fn(&Vector3<f64>) -> f64| (0..points.len()).max_by(|&i, &j| f(&points[i]).total_cmp(&f(&points[j])));
@@ -176,24 +180,75 @@ fn convex_hull(points: &[Vector3<f64>]) -> Option<Vec<[u32; 3]>> {
     let normal = along.cross(&(points[c] - points[a])).try_normalize(0.0)?;
     let d = farthest(&|p| normal.dot(&(p - points[a])).abs())?;
     let height = normal.dot(&(points[d] - points[a]));
-    let tolerance = 1e-12 * along.norm();
+    let tolerance = OUTSIDE * along.norm();
     if height.abs() <= tolerance {
         return None;
     }
     let (b, c) = if height > 0.0 { (c, b) } else { (b, c) };
     let [a, b, c, d] = [a, b, c, d].map(|k| k as u32);
-    let mut triangles = vec![[a, b, c], [a, d, b], [b, d, c], [c, d, a]];
+    let triangle = |corners: [u32; 3]| {
+        let normal = area(points, &corners).try_normalize(0.0).unwrap_or_default();
+        Triangle { corners, normal }
+    };
+    let mut triangles = [[a, b, c], [a, d, b], [b, d, c], [c, d, a]].map(triangle).to_vec();
     for k in 0..points.len() as u32 {
-        let is_visible = |t: &[u32; 3]| {
-            let [p, q, r] = t.map(|k| points[k as usize]);
-            let normal = (q - p).cross(&(r - p)).try_normalize(0.0).unwrap_or_default();
-            normal.dot(&(points[k as usize] - p)) > tolerance
-        };
-        let visible: Vec<[u32; 3]> = triangles.iter().filter(|t| is_visible(t)).copied().collect();
-        triangles.retain(|t| !visible.contains(t));
-        let all: Vec<[u32; 2]> = visible.iter().flat_map(sides).collect();
-        let horizon = all.iter().filter(|s| !all.contains(&[s[1], s[0]]));
-        triangles.extend(horizon.map(|s| [s[0], s[1], k]));
+        let height = |t: &Triangle| t.normal.dot(&(points[k as usize] - points[t.corners[0] as usize]));
+        let heights: Vec<f64> = triangles.iter().map(height).collect();
+        let Some(best) = (0..heights.len()).max_by(|&i, &j| heights[i].total_cmp(&heights[j])) else { continue };
+        let mut above = tolerance;
+        while heights[best] > above {
+            let seen = connected(&triangles, best, |t| heights[t] > above);
+            if let Some(horizon) = horizon(&triangles, &seen) {
+                let mut t = 0;
+                triangles.retain(|_| (!seen[t], t += 1).0);
+                triangles.extend(horizon.iter().map(|s| triangle([s[0], s[1], k])));
+                break;
+            }
+            above *= 10.0;
+        }
     }
-    Some(triangles)
+    Some(triangles.into_iter().map(|t| t.corners).collect())
+}
+
+/// Height above a triangle, relative to the size of the hull, from which a point is outside.
+const OUTSIDE: f64 = 1e-12;
+
+#[derive(Clone)]
+struct Triangle {
+    corners: [u32; 3],
+    normal: Vector3<f64>,
+}
+
+/// Flags of the triangles of a set that are connected with the first one across their sides.
+fn connected(triangles: &[Triangle], first: usize, is_in: impl Fn(usize) -> bool) -> Vec<bool> {
+    let members: Vec<usize> = (0..triangles.len()).filter(|&t| is_in(t)).collect();
+    let of_side: HashMap<[u32; 2], usize> =
+        members.iter().flat_map(|&t| sides(&triangles[t].corners).map(|side| (side, t))).collect();
+    let mut found = vec![false; triangles.len()];
+    let mut open = vec![first];
+    found[first] = true;
+    while let Some(t) = open.pop() {
+        for [p, q] in sides(&triangles[t].corners) {
+            if let Some(&next) = of_side.get(&[q, p]).filter(|&&next| !found[next]) {
+                found[next] = true;
+                open.push(next);
+            }
+        }
+    }
+    found
+}
+
+/// Directed sides around a set of triangles; `None` unless they are one ring.
+fn horizon(triangles: &[Triangle], set: &[bool]) -> Option<Vec<[u32; 2]>> {
+    let members = triangles.iter().zip(set).filter(|(_, is_in)| **is_in).map(|(t, _)| t);
+    let all: Vec<[u32; 2]> = members.flat_map(|t| sides(&t.corners)).collect();
+    let known: HashSet<[u32; 2]> = all.iter().copied().collect();
+    let ring: Vec<[u32; 2]> = all.into_iter().filter(|s| !known.contains(&[s[1], s[0]])).collect();
+    let next: HashMap<u32, u32> = ring.iter().map(|s| (s[0], s[1])).collect();
+    let first = ring.first()?[0];
+    let (mut at, mut length) = (*next.get(&first)?, 1);
+    while at != first && length <= ring.len() {
+        (at, length) = (*next.get(&at)?, length + 1);
+    }
+    (next.len() == ring.len() && length == ring.len()).then_some(ring)
 }

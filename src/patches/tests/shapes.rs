@@ -1,6 +1,7 @@
 //! Closed forms: patches of boxes, normals and distances, shapes of bodies. Errors: roundoff.
 
 use super::*;
+use crate::patches::body::NO_FACE;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 
 fn unit() -> ConvexBody {
@@ -48,6 +49,40 @@ fn points_that_are_equal_up_to_rounding_are_one_corner() {
         let hull = ConvexBody::from_points(&points).unwrap();
         assert_eq!((hull.vertices.len(), hull.edges.len(), hull.faces.len()), (8, 12, 6), "{shift:e}");
         assert!(hull.faces.iter().all(|face| face.corners.len() == 4));
+    }
+}
+
+/// Closed surfaces of triangles around all points: V - E + F = 2 with 2 E = 3 F, and no point above a face.
+#[test]
+fn hulls_of_many_points_close_around_them() {
+    // Numbers between -1 and 1 of a linear congruential generator.
+    let mut state = 11u64;
+    let mut number = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    };
+    let ball: Vec<Vector3<f64>> = (0..800).map(|_| Vector3::new(number(), number(), number()).normalize()).collect();
+    let hull = ConvexBody::from_points(&ball).unwrap();
+    assert_eq!((hull.vertices.len(), hull.faces.len(), hull.edges.len()), (800, 2 * 800 - 4, 3 * 800 - 6));
+    // Grids on the sides of a cube, as a mesh in single precision has them, are coplanar up to 6e-8.
+    let grid = |k: i32, noise: f64| f64::from(k) / 6.0 + 6e-8 * noise;
+    let mut sides = Vec::new();
+    for (i, j) in (-6..=6).flat_map(|i| (-6..=6).map(move |j| (i, j))) {
+        for (axis, side) in (0..3).flat_map(|axis| [(axis, -6), (axis, 6)]) {
+            let mut p = Vector3::zeros();
+            p[axis] = grid(side, number());
+            p[(axis + 1) % 3] = grid(i, number());
+            p[(axis + 2) % 3] = grid(j, number());
+            sides.push(p);
+        }
+    }
+    for (points, depth) in [(&ball, 1e-12), (&sides, 1e-6)] {
+        let hull = ConvexBody::from_points(points).unwrap();
+        for face in &hull.faces {
+            let highest = points.iter().map(|p| face.normal.dot(p) - face.offset).fold(f64::MIN, f64::max);
+            assert!(highest < depth, "{highest:e}");
+        }
+        assert!(hull.edges.iter().all(|edge| !edge.faces.contains(&NO_FACE)));
     }
 }
 
