@@ -5,7 +5,7 @@ use crate::collision::spatial::shape_points;
 use crate::dynamics::reduced::{BodyId, Mechanisms};
 use crate::dynamics::{State, Workspace, kinematics};
 use crate::patches::{ConvexBody, touchable_depth};
-use crate::robot::{Base, Geometry, LinkId, Model};
+use crate::robot::{Base, Geometry, Link, LinkId, Model, Shape, Sole};
 use crate::scenario::{Diagnostic, Run, TouchingParts};
 use crate::sim::Floor;
 use crate::sim::bodies::{Body, FLOOR, FloorFriction, Host, Pair, PairRules, pairs};
@@ -14,63 +14,65 @@ use crate::sim::setup::Start;
 use crate::terrain::{Terrain, TerrainPiece};
 use nalgebra::Vector3;
 
-/// What of the robot touches terrain and objects: its soles, or all links. A link whose collision geometry is
-/// one ball, capsule or cylinder, without a sole, has this shape. Other links have the convex hull of
-/// all their shapes and soles, in which `resolution` is the number of corners to a circle.
-pub(super) fn robot_bodies(model: &Model, parts: TouchingParts, resolution: usize) -> Vec<Body> {
-    let host = |link: LinkId| Host::Link(BodyId { mechanism: 0, link });
-    match parts {
+/// What of the robot touches terrain and objects: its soles, or the bodies of all links. With the floor alone these
+/// are the round shapes, as hulls and soles touch it in another way.
+pub(super) fn robot_bodies(model: &Model, run: &Run, resolution: usize) -> Vec<Body> {
+    let s = &run.scenario;
+    let is_scene = !s.terrain.is_empty() || !s.object.is_empty() || s.robot.self_contact;
+    let body = |name: &str, link: LinkId, shape: ConvexBody| {
+        let host = Host::Link(BodyId { mechanism: 0, link });
+        Body { name: name.into(), host, shape, friction: None, floor: FloorFriction::None }
+    };
+    match s.robot.contact {
         TouchingParts::Soles => {
-            let of_sole = |sole: &crate::robot::Sole| {
-                let shape = flat_body(&sole.vertices)?;
-                Some(Body {
-                    name: sole.name.clone(),
-                    host: host(sole.link),
-                    shape,
-                    friction: None,
-                    floor: FloorFriction::None,
-                })
-            };
+            let of_sole = |sole: &Sole| Some(body(&sole.name, sole.link, flat_body(&sole.vertices)?));
             model.soles.iter().filter_map(of_sole).collect()
         }
         TouchingParts::Bodies => {
-            let body = |(link, shape): (LinkId, ConvexBody)| {
-                let name = model.links[link.0].name.clone();
-                Body { name, host: host(link), shape, friction: None, floor: FloorFriction::None }
-            };
-            link_shapes(model, resolution).into_iter().map(body).collect()
+            let shapes = if is_scene { link_shapes(model, resolution) } else { round_shapes(model) }.into_iter();
+            shapes.map(|(link, shape)| body(&model.links[link.0].name, link, shape)).collect()
         }
     }
 }
 
-/// Shapes of all links: of one with a single round collision shape and without soles that shape, of others
-/// the convex hull of their shapes and soles. `resolution` is the number of corners to a circle.
+/// Bodies of all links: each round shape, and the convex hull of the others. A link with soles has one hull
+/// of all its shapes and soles, in which `resolution` is the number of corners to a circle.
 pub(super) fn link_shapes(model: &Model, resolution: usize) -> Vec<(LinkId, ConvexBody)> {
-    let of_link = |(i, link): (usize, &crate::robot::Link)| {
-        if let Some(shape) = single_shape(model, LinkId(i)) {
-            return Some((LinkId(i), shape));
-        }
-        let soles = model.soles.iter().filter(|sole| sole.link.0 == i).flat_map(|sole| &sole.vertices);
-        let shapes = link.collisions.iter().flat_map(|shape| shape_points(shape, resolution));
+    let of_link = |(i, link): (usize, &Link)| -> Vec<(LinkId, ConvexBody)> {
+        let id = LinkId(i);
+        let soles = model.soles.iter().filter(|sole| sole.link == id).flat_map(|sole| &sole.vertices);
+        let angular = link.collisions.iter().filter(|shape| !is_round(model, id, shape));
+        let shapes = angular.flat_map(|shape| shape_points(shape, resolution));
         let points: Vec<Vector3<f64>> = shapes.chain(soles.copied()).collect();
-        Some((LinkId(i), ConvexBody::from_points(&points).or_else(|| flat_body(&points))?))
+        let hull = ConvexBody::from_points(&points).or_else(|| flat_body(&points));
+        hull.into_iter().chain(round_shapes_of(model, id)).map(|shape| (id, shape)).collect()
     };
-    model.links.iter().enumerate().filter_map(of_link).collect()
+    model.links.iter().enumerate().flat_map(of_link).collect()
 }
 
-/// The shape of a link with one round collision shape and without soles.
-fn single_shape(model: &Model, link: LinkId) -> Option<ConvexBody> {
-    let [shape] = &model.links[link.0].collisions[..] else { return None };
-    let exact = match shape.geometry {
+fn round_shapes(model: &Model) -> Vec<(LinkId, ConvexBody)> {
+    let links = (0..model.links.len()).map(LinkId);
+    links.flat_map(|id| round_shapes_of(model, id).map(move |shape| (id, shape))).collect()
+}
+
+fn round_shapes_of(model: &Model, link: LinkId) -> impl Iterator<Item = ConvexBody> {
+    let shapes = model.links[link.0].collisions.iter();
+    shapes.filter(move |shape| is_round(model, link, shape)).filter_map(round_body)
+}
+
+/// Whether a link touches with the exact surface of this shape. Beside a sole round shapes belong to the hull.
+pub(super) fn is_round(model: &Model, link: LinkId, shape: &Shape) -> bool {
+    shape.geometry.is_round() && model.soles.iter().all(|sole| sole.link != link)
+}
+
+fn round_body(shape: &Shape) -> Option<ConvexBody> {
+    let body = match shape.geometry {
         Geometry::Sphere(radius) => ConvexBody::ball(radius),
         Geometry::Capsule(radius, length) => ConvexBody::capsule(0.5 * length, radius),
         Geometry::Cylinder(radius, length) => ConvexBody::cylinder(0.5 * length, radius),
-        // The hulls of boxes are exact too.
         Geometry::Box(_) | Geometry::Mesh(..) => return None,
     };
-    let has_volume = exact.radius > 0.0 && exact.inner + exact.edge_rounding() > 0.0;
-    let has_sole = model.soles.iter().any(|sole| sole.link == link);
-    (has_volume && !has_sole).then(|| exact.placed(&shape.pose))
+    Some(body.placed(&shape.pose))
 }
 
 /// A convex polygon, a line or a point.
@@ -83,9 +85,14 @@ fn flat_body(points: &[Vector3<f64>]) -> Option<ConvexBody> {
     }
 }
 
+/// Whether a body of a robot meets the floor as a pair: hulls do with polygons of their faces.
+pub(super) fn rolls(body: &Body) -> bool {
+    body.link().is_some_and(|link| link.mechanism == 0) && body.shape.is_round()
+}
+
 /// The bodies of a run and the pairs that may touch besides terrain: objects with the floor, with each
-/// other and with the robot, and the pairs `own` of the robot's links. Soles and links of the robot touch the
-/// floor without these.
+/// other and with the robot, round shapes of the robot with the floor, and the pairs `own` of the robot's links.
+/// Soles and hulls of the robot touch the floor without these.
 pub(super) fn bodies(
     model: &Model,
     robot: Vec<Body>,
@@ -127,8 +134,10 @@ pub(super) fn bodies(
         if let (Some(a), Some(b), Some(0), Some(0)) = (a.link(), b.link(), one, other) {
             return own.contains(&[a.link, b.link]) || own.contains(&[b.link, a.link]);
         }
-        // The robot touches the floor with its own polygons. No object touches itself.
-        one != other && one.max(other).is_some_and(|m| m > 0) && !(is_fixed(a) && is_fixed(b))
+        // Hulls and soles of the robot touch the floor with their own polygons. No object touches itself.
+        let is_floor = |body: &Body| body.shape.is_half_space();
+        let is_own = (one.max(other) == Some(0)) && !(is_floor(a) && rolls(b) || is_floor(b) && rolls(a));
+        one != other && !is_own && !(is_fixed(a) && is_fixed(b))
     };
     let may_touch = |a: &Body, b: &Body| may_touch(a, b) && rules.touches(&a.name, &b.name);
     let pairs = pairs::pairs(&bodies, may_touch, |a, b| rules.friction(&a.name, &b.name));

@@ -23,9 +23,12 @@ mod script_setup;
 mod self_contact;
 mod sensors;
 mod start;
+mod start_height;
 mod tasks;
 pub mod terrain;
 
+use self::bodies::is_round;
+use self::start_height::Ground;
 use crate::contact::model::problem::Tolerances;
 use crate::contact::model::state::SoleState;
 use crate::geometry::Plane;
@@ -62,7 +65,13 @@ pub fn setup_with(run: &Run, robot: &Robot, models: &[Arc<Robot>]) -> Result<Set
     let floor = floor(run, &mut errors);
     let plane = s.floor.plane.then_some(Plane { rotation: floor.rotation, point: floor.point });
     let terrain = terrain::terrain(run, plane, &mut notes, &mut errors);
-    let start = start::start(run, &model, &floor, &mut errors);
+    let touching_links = (s.robot.contact == TouchingParts::Bodies && s.floor.plane).then(|| {
+        LinkHull::of_model(&model, robot.self_collision.resolution, |link, shape| is_round(&model, link, shape))
+    });
+    let touching = bodies::robot_bodies(&model, run, robot.self_collision.resolution);
+    let hulls = touching_links.as_deref();
+    let ground = Ground { floor: &floor, terrain: &terrain, hulls, bodies: &touching };
+    let start = start::start(run, &model, &ground, &mut errors);
     let objects = objects::objects(run, models, &mut notes, &mut errors);
     let forces = forces::forces(run, &model, &objects, &mut errors);
     let carried_objects = forces::loads(run, &model, &mut errors);
@@ -94,21 +103,17 @@ pub fn setup_with(run: &Run, robot: &Robot, models: &[Arc<Robot>]) -> Result<Set
     if !errors.is_empty() {
         return Err(Diagnostics(names::limit_errors(errors)));
     }
-    let touching_links =
-        (s.robot.contact == TouchingParts::Bodies).then(|| LinkHull::of_model(&model, robot.self_collision.resolution));
-    let touching_links = touching_links.filter(|_| s.floor.plane);
     if !floor.is_absent
         && let Some(error) = start::below_floor(run, &model, &floor, &start, touching_links.as_deref())
     {
         return Err(Diagnostics(vec![error]));
     }
-    let touching = bodies::robot_bodies(&model, s.robot.contact, robot.self_collision.resolution);
     let own = if s.robot.self_contact {
         contact_pairs::own_pairs(robot, &model, &start, &touching, &mut notes)
     } else {
         Vec::new()
     };
-    let bodies = if objects.is_empty() && terrain.is_empty() && own.is_empty() {
+    let bodies = if objects.is_empty() && terrain.is_empty() && own.is_empty() && !touching.iter().any(bodies::rolls) {
         Default::default()
     } else {
         bodies::bodies(&model, touching, &own, &floor, &objects, &pair_rules)

@@ -2,6 +2,7 @@
 
 use crate::assemble::MIN_TILT_COSINE;
 use crate::assemble::names::{check_range, joints};
+use crate::assemble::start_height::Ground;
 use crate::dynamics::{State, Workspace, kinematics};
 use crate::robot::{Base, LinkId, Model, Sole};
 use crate::scenario::{Diagnostic, Run, SunkLink};
@@ -16,15 +17,16 @@ const SOLE_DEPTH: f64 = 1e-3;
 
 /// Greatest depth of a link that touches, m: rounding of a position written with six decimals. The
 /// corners of a face start in contact, others below the floor leave no valid state.
-const LINK_DEPTH: f64 = 1e-6;
+pub(super) const LINK_DEPTH: f64 = 1e-6;
 
 /// Step to which a proposed height is rounded up, m, and the excess that is not: rounding.
 const HEIGHT_STEP: f64 = 1e-6;
 const HEIGHT_ROUNDING: f64 = 1e-9;
 
-/// Initial state. Without a base position the robot stands above the world's origin, its lowest
-/// sole vertex on the floor.
-pub(super) fn start(run: &Run, model: &Model, floor: &Floor, errors: &mut Vec<Diagnostic>) -> Start {
+/// Initial state. Without a base position the robot stands above the world's origin, as low as floor and
+/// terrain permit.
+pub(super) fn start(run: &Run, model: &Model, ground: &Ground, errors: &mut Vec<Diagnostic>) -> Start {
+    let floor = ground.floor;
     let spec = &run.scenario.robot;
     let mut state = State::home(model);
     for (id, q) in joints(model, run, "robot.posture", spec.posture.iter(), errors) {
@@ -51,15 +53,7 @@ pub(super) fn start(run: &Run, model: &Model, floor: &Floor, errors: &mut Vec<Di
             errors.push(run.error_at("floor.rpy", message, Some(help)));
             Vector3::zeros()
         }
-        None => {
-            let mut ws = Workspace::new(model);
-            kinematics::update(model, &state, &mut ws);
-            let heights =
-                model.soles.iter().flat_map(|sole| sole.vertices.iter().map(|v| floor.height(&ws.point(sole.link, v))));
-            let lowest = heights.fold(f64::INFINITY, f64::min);
-            let rise = if lowest.is_finite() { -lowest / floor.rotation[(2, 2)] } else { 0.0 };
-            Vector3::new(0.0, 0.0, rise)
-        }
+        None => Vector3::new(0.0, 0.0, ground.rise(model, &state)),
     };
     Start { position: state.position, rotation: state.rotation, joints: state.joints, v: state.v }
 }
@@ -98,6 +92,8 @@ pub(super) fn below_floor(
     };
     if links.is_none() {
         help += "; `stop.sunk_link = \"ignore\"` allows this start";
+    } else if model.base == Base::Fixed {
+        help += "; `floor.plane = false` removes the floor";
     }
     let key = match &scenario.robot {
         robot if robot.base.position.is_some() => "robot.base.position.2",

@@ -1,4 +1,4 @@
-//! A start below the floor is an error of the scenario.
+//! A start below the floor is an error of the scenario; without a position floor and terrain give the height.
 
 use super::support::{root, run, setup};
 use stiction::assemble;
@@ -98,7 +98,93 @@ fn a_link_that_would_end_the_run_at_once_is_refused() {
     assert!(error.contains("link `block` starts 0.0200 m below the floor"), "{error}");
     accepted(&at(0.0495, ""));
     accepted(&at(0.03, "stop.sunk_link = \"ignore\"\n"));
-    // Without soles the floor has no meaning.
-    accepted("robot = { model = \"robots/block/block.toml\", soles = [], base = { position = [0, 0, -1] } }\n");
-    refused("robot = { model = \"robots/block/block.toml\", soles = [], contact = \"bodies\" }\n");
+    // Without soles the floor has no meaning if only these touch.
+    let no_soles = |contact: &str, base: &str| {
+        format!(
+            "robot = {{ model = \"robots/block/block.toml\", soles = [], contact = \"{contact}\", base = {{ {base} }} }}\n"
+        )
+    };
+    accepted(&no_soles("soles", "position = [0, 0, -1]"));
+    refused(&no_soles("bodies", "position = [0, 0, -1]"));
+    accepted(&no_soles("bodies", ""));
+}
+
+/// A rod of 0.5 m on a block of 0.2 m, which is fixed half in the floor.
+#[test]
+fn the_root_of_a_fixed_base_may_be_in_the_floor_and_no_other_link() {
+    let folder = tempfile::tempdir().unwrap();
+    let link = |name: &str, z: f64, size: &str| {
+        format!(
+            r#"<link name="{name}"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+            <collision><origin xyz="0 0 {z}"/><geometry><box size="{size}"/></geometry></collision></link>"#
+        )
+    };
+    let urdf = format!(
+        r#"<robot name="crane"><link name="world"/>{}{}<joint name="weld" type="fixed"><parent link="world"/><child link="foot"/></joint>
+        <joint name="hinge" type="revolute"><parent link="foot"/><child link="rod"/><axis xyz="0 1 0"/>
+        <limit lower="-3.2" upper="3.2" effort="10" velocity="10"/></joint></robot>"#,
+        link("foot", 0.0, "0.2 0.2 0.2"),
+        link("rod", 0.3, "0.02 0.02 0.5"),
+    );
+    std::fs::write(folder.path().join("crane.urdf"), urdf).unwrap();
+    let crane = |angle: f64, more: &str| {
+        let path = folder.path().join("crane.urdf");
+        format!("duration = 0.01\n{more}robot = {{ model = {path:?}, posture = {{ hinge = {angle} }} }}\n")
+    };
+    accepted(&crane(0.0, ""));
+    let error = refused(&crane(3.0, ""));
+    assert!(
+        error.contains("link `rod` starts") && error.contains("`floor.plane = false` removes the floor"),
+        "{error}"
+    );
+    accepted(&crane(3.0, "floor.plane = false\n"));
+}
+
+/// Height of the block, 0.2 x 0.2 x 0.1 m, that starts without a position.
+#[track_caller]
+fn height(base: &str, more: &str) -> f64 {
+    let heights = ["soles", "bodies"].map(|contact| setup(&block(contact, base, more)).start.position.z);
+    assert!((heights[0] - heights[1]).abs() < 1e-12, "{heights:?}");
+    heights[0]
+}
+
+#[test]
+fn without_a_position_a_robot_starts_on_floor_and_terrain() {
+    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
+    near(height("", ""), 0.05);
+    let terrain = |kind: &str| format!("[[terrain]]\n{kind}\n");
+    // A box of which half is under the block; one beside it; one above, whose underside is no obstacle.
+    let step = |x: f64| terrain(&format!("type = \"box\"\nsize = [0.2, 1, 0.3]\nposition = [{x}, 0, 0.15]"));
+    near(height("", &step(0.15)), 0.35);
+    near(height("", &step(0.2)), 0.05);
+    let high = terrain("type = \"box\"\nsize = [1, 1, 0.1]\nposition = [0, 0, 2]");
+    near(height("", &high), 2.1);
+    // The lower edge at x = 0.1 touches the ramp first, which rises by 0.25 from x = -0.5.
+    let ramp = terrain("type = \"ramp\"\nsize = [2, 2, 0.5]\nposition = [-0.5, 0, 0]");
+    near(height("", &ramp), 0.05 + 0.25 * 0.6);
+    // Turned with the ramp it lies on it: above the origin the ramp is 0.125 m high.
+    let slope = 0.25_f64.atan();
+    near(height(&format!("rpy = [0, {}, 0]", -slope), &ramp), 0.125 + 0.05 / slope.cos());
+    // Without a plane the terrain may be lower; where there is none, the plane's height counts.
+    let low = terrain("type = \"box\"\nsize = [1, 1, 0.1]\nposition = [0, 0, -1]");
+    near(height("", &format!("floor = {{ plane = false }}\n{low}")), -0.9);
+    near(height("", &format!("floor = {{ plane = false, height = 0.5 }}\n{}", step(3.0))), 0.55);
+    near(height("", &low), 0.05);
+}
+
+/// HOAP-2, thrown about, starts on rough ground with a body on it: lowered by 10 um it is refused.
+#[test]
+fn without_a_position_some_body_touches_the_terrain() {
+    let terrain = "[[terrain]]\ntype = \"heightfield\"\nfile = \"scenarios/terrain/rubble.csv\"\nposition = [0.01, 0.02, 0.1]\nsize = [2.0, 2.0]\n";
+    for rpy in ["[0, 0, 0]", "[0, \"90 deg\", 0]", "[0.3, -1.1, 0.4]"] {
+        let text = |position: &str| {
+            format!(
+                "duration = 0.01\nrobot = {{ model = \"robots/hoap2/hoap2.toml\", contact = \"bodies\", base = {{ {position} rpy = {rpy} }} }}\n{terrain}"
+            )
+        };
+        let z = setup(&text("")).start.position.z;
+        let error = refused(&text(&format!("position = [0, 0, {}],", z - 1e-5)));
+        assert!(error.contains("overlap by"), "{error}");
+        accepted(&text(&format!("position = [0, 0, {}],", z + 1e-9)));
+    }
 }

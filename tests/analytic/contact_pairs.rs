@@ -55,7 +55,7 @@ fn bodies_that_do_not_touch_pass_through_each_other() {
     let (sim, m) = finished(&format!(
         "duration = 1.0
         terrain = [{{ type = \"box\", name = \"table\", size = [1, 1, 0.1], position = [0, 0, 0.25] }}]
-        robot = {{ model = \"robots/block/block.toml\", base = {{ position = [0, 0, 0.35] }} }}
+        robot = {{ model = \"robots/block/block.toml\", contact = \"soles\", base = {{ position = [0, 0, 0.35] }} }}
         object = [{{ type = \"sphere\", name = \"ghost\", radius = 0.02, mass = 1.0, position = [0, 0, 0.5] }}]
         contact = {{ {CLOSE}, pair = [{{ bodies = [\"ghost\", \"table\"], touch = false }}, {{ bodies = [\"bottom\", \"ghost\"], touch = false }}] }}"
     ));
@@ -129,7 +129,7 @@ fn names_that_no_body_has_are_errors() {
     let error = |pair: &str| {
         let text = format!(
             "terrain = [{{ type = \"box\", name = \"table\", size = [1, 1, 0.1], position = [0, 0, 0.25] }}]
-            robot = {{ model = \"robots/block/block.toml\", base = {{ position = [0, 0, 0.35] }} }}
+            robot = {{ model = \"robots/block/block.toml\", contact = \"soles\", base = {{ position = [0, 0, 0.35] }} }}
             contact = {{ pair = [{pair}] }}"
         );
         let file = stiction::scenario::parse(&root().join("test.toml"), text).unwrap();

@@ -284,22 +284,31 @@ fn robot(folder: &TempDir, [r, h, m]: [f64; 3], base: &str) -> String {
     )
 }
 
-/// The collision cylinder of a link touches terrain as a cylinder: it rolls with 2/3 g sin a.
+/// The collision cylinder of a link touches floor and terrain as a cylinder: it rolls with 2/3 g sin a.
 #[test]
-fn a_link_with_one_cylinder_rolls_on_terrain() {
+fn a_link_with_one_cylinder_rolls_on_floor_and_terrain() {
     let folder = TempDir::new().expect("a folder for the robot");
     let tilt: f64 = 0.2;
     let up = Vector3::new(tilt.sin(), 0.0, tilt.cos());
     let down = Vector3::new(tilt.cos(), 0.0, -tilt.sin());
-    let base = format!("position = {}, rpy = [{FRAC_PI_2}, 0, 0]", list(&(up * 0.15)));
+    let rpy = format!("rpy = [{FRAC_PI_2}, 0, 0]");
+    let a = 2.0 / 3.0 * G * tilt.sin();
+    let base = format!("position = {}, {rpy}", list(&(up * 0.15)));
     let sim = ended(&format!(
         "duration = 0.5\n{}
         terrain = [{{ type = \"box\", size = [4, 1, 0.1], rpy = [0, {tilt}, 0], friction = 0.5 }}]",
         robot(&folder, [0.1, 0.3, 2.0], &base)
     ));
     let state = &sim.plant().state;
-    let a = 2.0 / 3.0 * G * tilt.sin();
     assert!((state.position - up * 0.15 - down * (0.125 * a)).norm() < 1e-9, "{}", state.position);
+    // Without a position the surface is r / cos a below the base.
+    let floor = format!("floor = {{ friction = 0.5, rpy = [0, {tilt}, 0] }}");
+    let text = robot(&folder, [0.1, 0.3, 2.0], &rpy).replace("floor = { plane = false }", &floor);
+    let sim = ended(&format!("duration = 0.5\n{text}"));
+    let start = Vector3::new(0.0, 0.0, 0.1 / tilt.cos());
+    let state = &sim.plant().state;
+    assert!((state.position - start - down * (0.125 * a)).norm() < 1e-9, "{}", state.position);
+    assert_clean(sim.metrics());
 }
 
 /// A push at the height H that grows to F in one second tips a standing cylinder if F H > m g R, whatever its

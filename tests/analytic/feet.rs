@@ -31,7 +31,7 @@ fn go(soles: &str, base: &str, mu: &str, duration: f64, rest: &str) -> (Metrics,
     let (m, recording) = watch(&format!(
         "duration = {duration}
         floor = {{ friction = {mu} }}
-        robot = {{ model = \"robots/block/block.toml\", base = {{ {base} }}, soles = {soles} }}
+        robot = {{ model = \"robots/block/block.toml\", contact = \"soles\", base = {{ {base} }}, soles = {soles} }}
         {TIGHT}\n{rest}"
     ));
     assert_eq!((m.inconsistent, m.jams), (0, 0), "{soles}");
@@ -176,7 +176,7 @@ fn one_foot_after_the_other_lands_and_energy_is_accounted_for() {
                 "duration = 1.5\nfloor = {{ friction = {{ static = 0.5, kinetic = 0.4 }} }}
                 stop = {{ sunk_link = \"ignore\" }}
                 integrator = {{ relative_tolerance = 1e-9, absolute_tolerance = 1e-11 }}
-                robot = {{ model = \"robots/block/block.toml\", base = {{ {base} }}, soles = {} }}
+                robot = {{ model = \"robots/block/block.toml\", contact = \"soles\", base = {{ {base} }}, soles = {} }}
                 [contact]\n{tolerances}",
                 soles(feet, order)
             ));
@@ -253,7 +253,7 @@ fn the_order_of_soles_and_vertices_does_not_change_the_motion_of_a_humanoid() {
         let go = |soles: String| {
             let (m, _) = watch(&format!(
                 "duration = 1.0
-                robot = {{ model = \"robots/hoap2/hoap2.toml\", soles = {soles} }}
+                robot = {{ model = \"robots/hoap2/hoap2.toml\", contact = \"soles\", soles = {soles} }}
                 integrator = {{ relative_tolerance = 1e-9, absolute_tolerance = 1e-11 }}
                 contact = {{ velocity_tolerance = 0.02 }}
                 [[force]]
@@ -296,7 +296,7 @@ fn all_feet_slip_together_in_every_direction() {
             );
             let (m, _) = watch(&format!(
                 "duration = 0.6\nfloor = {{ friction = {{ static = 0.5, kinetic = 0.4 }} }}\n{push}
-                robot = {{ model = \"robots/block/block.toml\", soles = {} }}\n{TIGHT}",
+                robot = {{ model = \"robots/block/block.toml\", contact = \"soles\", soles = {} }}\n{TIGHT}",
                 soles(feet, &(0..feet.len()).collect::<Vec<_>>())
             ));
             let slip = m.first_slip_s.expect("it slips");

@@ -62,7 +62,7 @@ impl Start {
         simulation(&format!(
             "duration = {duration}
             floor = {{ friction = {} }}
-            robot = {{ model = \"robots/rod/rod.toml\", base = {{ rpy = [0, {:?}, {:?}], linear_velocity = {:?}, angular_velocity = {:?} }} }}
+            robot = {{ model = \"robots/rod/rod.toml\", contact = \"soles\", base = {{ rpy = [0, {:?}, {:?}], linear_velocity = {:?}, angular_velocity = {:?} }} }}
             {TIGHT}",
             self.mu,
             std::f64::consts::FRAC_PI_2 - self.theta,

@@ -33,6 +33,7 @@ fn point_foot(floor: &str, velocity: [f64; 2], rpy: [f64; 3]) -> String {
         stop = {{ sunk_link = \"ignore\" }}
         [robot]
         model = \"robots/block/block.toml\"
+        contact = \"soles\"
         base = {{ linear_velocity = [{}, {}, {}] }}
         soles = [{{ name = \"point\", link = \"block\", polygon = [[0, 0, 0]] }}]
         [floor]
@@ -247,7 +248,7 @@ fn a_vertex_that_slides_along_a_border_causes_no_events() {
     let text = |mu: f64| {
         format!(
             "duration = 1.0
-            robot = {{ model = \"robots/block/block.toml\", base = {{ linear_velocity = [2.0, 0.0, 0.0] }} }}
+            robot = {{ model = \"robots/block/block.toml\", contact = \"soles\", base = {{ linear_velocity = [2.0, 0.0, 0.0] }} }}
             floor = {{ friction = 0.5, patches = [{{ polygon = [[-1, 0.1], [3, 0.1], [3, 1], [-1, 1]], friction = {mu} }}] }}\n{TIGHT}"
         )
     };
@@ -280,6 +281,7 @@ fn a_foot_held_on_a_border_by_friction_causes_finitely_many_events() {
         {TIGHT}
         [robot]
         model = \"robots/block/block.toml\"
+        contact = \"soles\"
         base = {{ linear_velocity = [2.0, 0.0, 0.0] }}
         soles = [
             {{ name = \"left\", link = \"block\", polygon = [[0.05, 0.1, -0.05]] }},
@@ -338,7 +340,7 @@ fn fixed_steps_evaluate_friction_at_each_step() {
 
 #[test]
 fn a_vertical_floor_has_no_patches() {
-    let text = "robot = { model = \"robots/block/block.toml\" }
+    let text = "robot = { model = \"robots/block/block.toml\", contact = \"soles\" }
         floor = { rpy = [\"90 deg\", 0, 0], patches = [{ polygon = [[0, 0], [1, 0], [1, 1]], friction = 0.1 }] }\n";
     let file = scenario::parse(std::path::Path::new("test.toml"), text).expect("its values are sound");
     let runs = file.expand(&[]).expect("one run");
@@ -351,7 +353,7 @@ fn a_vertical_floor_has_no_patches() {
 fn vertices_start_in_the_friction_region_below_them() {
     let sim = |x: f64| {
         let text = format!(
-            "robot = {{ model = \"robots/block/block.toml\", base = {{ position = [{x}, 0.0, 0.05] }} }}
+            "robot = {{ model = \"robots/block/block.toml\", contact = \"soles\", base = {{ position = [{x}, 0.0, 0.05] }} }}
             floor = {{ friction = 0.5, patches = [{{ polygon = [[0.1, -1], [3, -1], [3, 1], [0.1, 1]], friction = 0.1 }}] }}\n"
         );
         let mut sim = simulation(&text);

@@ -23,7 +23,7 @@ fn an_inverted_block_ends_when_it_is_a_millimetre_below_the_floor() {
     let text = format!(
         "duration = 1.0
         integrator = {{ method = \"rk4\", step = {step} }}
-        robot = {{ model = \"robots/block/block.toml\", base = {{ position = [0, 0, 0.15], rpy = [\"180 deg\", 0, 0] }} }}\n"
+        robot = {{ model = \"robots/block/block.toml\", contact = \"soles\", base = {{ position = [0, 0, 0.15], rpy = [\"180 deg\", 0, 0] }} }}\n"
     );
     let (outcome, message, m) = end(&text);
     assert_eq!(outcome, Outcome::Fallen, "{message}");
@@ -46,7 +46,7 @@ fn tilted_blocks_on_their_soles_continue() {
     for rpy in ["[0, 0, 0]", "[0, \"30 deg\", 0]", "[\"25 deg\", \"-30 deg\", 0]"] {
         for soles in ["", small] {
             let m = run(&format!(
-                "duration = 0.5\n[robot]\nmodel = \"robots/block/block.toml\"\nbase = {{ rpy = {rpy} }}\n{soles}\n"
+                "duration = 0.5\n[robot]\nmodel = \"robots/block/block.toml\"\ncontact = \"soles\"\nbase = {{ rpy = {rpy} }}\n{soles}\n"
             ));
             assert_eq!(m.duration_s, 0.5, "{rpy} {soles}");
         }
@@ -58,7 +58,7 @@ fn tilted_blocks_on_their_soles_continue() {
 #[test]
 fn a_pushed_humanoid_ends_when_a_link_reaches_the_floor() {
     let text = "duration = 3.0
-        robot = { model = \"robots/hoap2/hoap2.toml\" }
+        robot = { model = \"robots/hoap2/hoap2.toml\", contact = \"soles\" }
         force = [{ type = \"push\", link = \"torso\", force = [60, 0, 0], start = 0.1, duration = 0.3 }]\n";
     let (outcome, message, m) = end(text);
     assert_eq!(outcome, Outcome::Fallen, "{message}");
@@ -71,7 +71,7 @@ fn a_pushed_humanoid_ends_when_a_link_reaches_the_floor() {
 /// The floor has no meaning for a robot without soles, and a fixed base cannot fall.
 #[test]
 fn robots_without_soles_and_fixed_ones_continue() {
-    let text = "duration = 0.1\nrobot = { model = \"robots/block/block.toml\", base = { position = [0, 0, -1] }, soles = [] }\n";
+    let text = "duration = 0.1\nrobot = { model = \"robots/block/block.toml\", contact = \"soles\", base = { position = [0, 0, -1] }, soles = [] }\n";
     assert_eq!(end(text).0, Outcome::Passed);
 
     let block = robot::load(&root().join("robots/block/block.toml")).unwrap().model;

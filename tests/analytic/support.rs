@@ -46,7 +46,7 @@ pub fn hard_push(robot: &str, base: &str, more: &str) -> String {
         "contact.velocity_tolerance = 0.02
         control.rate = 500
         log.rate = 0
-        robot = {{ model = \"robots/{robot}/{robot}.toml\", base = {{ {base} }} }}
+        robot = {{ model = \"robots/{robot}/{robot}.toml\", contact = \"soles\", base = {{ {base} }} }}
         force = [{{ type = \"random-pushes\", links = [\"{link}\"], number = 1, start = 0.2, duration = 0.4, magnitude = {magnitude:?}, push_duration = [0.02, 0.3], direction = \"any\", profile = \"half-sine\" }}]
         {more}\n"
     )

@@ -220,7 +220,7 @@ fn starts_inside_terrain_are_refused() {
     let run = file.expand(&[]).unwrap().remove(0);
     let robot = stiction::robot::load(&run.resolve(&run.scenario.robot.model)).unwrap();
     let error = stiction::assemble::setup(&run, &robot).err().unwrap().to_string();
-    assert!(error.contains("`bottom` and `terrain.0` overlap by 0.0100 m at the start"), "{error}");
+    assert!(error.contains("`block` and `terrain.0` overlap by 0.0100 m at the start"), "{error}");
 }
 
 /// Of two neighbours in one plane either could own the contact with a point of terrain, also the one that does not

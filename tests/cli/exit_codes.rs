@@ -148,7 +148,8 @@ fn a_time_limit_ends_a_search_for_contact_states() {
     let place = Place::new();
     let robot = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.toml");
     let start = "base = { position = [0, 0, 0.25] }";
-    let text = format!("stop.sunk_link = \"ignore\"\n[robot]\nmodel = {robot:?}\n{start}{SUNK_SOLES}");
+    let text =
+        format!("stop.sunk_link = \"ignore\"\n[robot]\nmodel = {robot:?}\ncontact = \"soles\"\n{start}{SUNK_SOLES}");
     place.write("sunk.toml", text);
     let done = place.runner(&["sunk.toml", "--timeout", "0.2"]).exits(3);
     let summary = place.summary("results");

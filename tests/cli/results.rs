@@ -122,7 +122,7 @@ fn contact_problems_are_written_on_request() {
     // The direct search would leave the choice to velocity-level steps.
     place.block(
         "s.toml",
-        "[robot.base]\nposition = [0, 0, 0.049]\nrpy = [0.01, 0.02, 0]\n[contact]\nexact.search = \"paper\"\n[stop]\nsunk_link = \"ignore\"\n",
+        "contact = \"soles\"\n[robot.base]\nposition = [0, 0, 0.049]\nrpy = [0.01, 0.02, 0]\n[contact]\nexact.search = \"paper\"\n[stop]\nsunk_link = \"ignore\"\n",
     );
     let folder = |results: &str| {
         let key = place.summary(results).column("key")[0].to_owned();

@@ -50,7 +50,7 @@ fn tables_fit_the_width() {
 fn a_run_whose_base_ends_below_the_floor_is_marked() {
     let place = Place::new();
     // Upside down, the sole is above the base, and the floor does not stop the base.
-    place.block("drop.toml", "base = { position = [0, 0, 0.2], rpy = [\"180 deg\", 0, 0] }\n");
+    place.block("drop.toml", "contact = \"soles\"\nbase = { position = [0, 0, 0.2], rpy = [\"180 deg\", 0, 0] }\n");
     place.block("tilted.toml", "[floor]\nrpy = [0, \"20 deg\", 0]\nheight = -3\n");
     let done = run_at_width(
         &place,

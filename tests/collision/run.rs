@@ -32,7 +32,9 @@ fn urdf(boxes: Boxes) -> String {
 
 /// Joint `a` moves by `way` within 1 s and stays; both joints are kinematic.
 fn text(way: f64, rest: &str) -> String {
-    let mut text = String::from("duration = 2.0\nrobot = { model = \"rail.toml\" }\ncontrol = { rate = 1000 }\n");
+    let mut text = String::from(
+        "duration = 2.0\nrobot = { model = \"rail.toml\", contact = \"soles\" }\ncontrol = { rate = 1000 }\n",
+    );
     text += "integrator = { method = \"semi-implicit\", step = 1e-3 }\n";
     let _ = writeln!(text, "task = [{{ type = \"posture\", duration = 1.0, joints = {{ a = {way} }} }}]\n{rest}");
     text
@@ -162,7 +164,7 @@ fn an_uncontrolled_joint_is_not_planned() {
     for method in 1..=4 {
         let text = text(0.9, &format!("self_collision = {{ method = {method}, margin = 0.02 }}"))
             .replace("joints = { a = 0.9 }", "joints = { a = 0.9, b = 0.9 }")
-            .replace("model = \"rail.toml\"", "model = \"rail.toml\", joint = { b = { mode = \"passive\" } }");
+            .replace("contact = \"soles\"", "contact = \"soles\", joint = { b = { mode = \"passive\" } }");
         let (m, recorded) = run(&text);
         assert!(m.min_self_distance_m.unwrap() >= 0.02, "method {method}: {:?}", m.min_self_distance_m);
         let own = recorded.snapshots.last().unwrap().self_contact.as_ref().unwrap();
@@ -179,7 +181,7 @@ fn a_blocked_path_brakes() {
             boxes,
             &format!(
                 "duration = 6.0
-                robot = {{ model = \"rail.toml\", joint = {{ b = {{ mode = \"velocity\", kd = 200.0 }} }} }}
+                robot = {{ model = \"rail.toml\", contact = \"soles\", joint = {{ b = {{ mode = \"velocity\", kd = 200.0 }} }} }}
                 control = {{ rate = 1000 }}
                 integrator = {{ method = \"semi-implicit\", step = 1e-3 }}
                 self_collision = {{ method = {method}, margin = 0.02, max_speed = 0.2 }}
@@ -215,7 +217,7 @@ fn pairs_within_the_margin_may_only_move_apart() {
     let text = |to: f64| {
         format!(
             "duration = 4.0
-            robot = {{ model = \"rail.toml\", joint = {{ b = {{ mode = \"velocity\", kd = 200.0 }} }} }}
+            robot = {{ model = \"rail.toml\", contact = \"soles\", joint = {{ b = {{ mode = \"velocity\", kd = 200.0 }} }} }}
             control = {{ rate = 1000 }}
             integrator = {{ method = \"semi-implicit\", step = 1e-3 }}
             self_collision = {{ method = 2, margin = 0.02 }}

@@ -103,7 +103,7 @@ fn the_observer_selects_inconsistent_problems() {
     let penetrating = "
         duration = 0.1
         contact.exact.search = \"paper\"
-        robot = { model = \"robots/block/block.toml\", base = { position = [0, 0, 0.049], rpy = [0.01, 0.02, 0] } }
+        robot = { model = \"robots/block/block.toml\", contact = \"soles\", base = { position = [0, 0, 0.049], rpy = [0.01, 0.02, 0] } }
         stop = { sunk_link = \"ignore\" }
     ";
     let (recorded, selections, inconsistent) = problems(penetrating, Problems::Inconsistent);

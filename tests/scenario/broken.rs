@@ -221,7 +221,12 @@ const BELOW_ROBOT: &[Broken] = &[
         "`force.0.links` must name at least one link",
         "",
     ),
-    Broken("self_contact = true", (3, 16), "`robot.self_contact` requires `robot.contact = \"bodies\"`", ""),
+    Broken(
+        "self_contact = true\ncontact = \"soles\"",
+        (3, 16),
+        "`robot.self_contact` requires `robot.contact = \"bodies\"`",
+        "",
+    ),
     Broken("[[contact.pair]]\nfriction = 0.5", (3, 1), "`contact.pair.0` lacks the key `bodies`", ""),
     Broken("[[contact.pair]]\nbodies = [\"box\"]", (4, 10), "must be an array of length 2, not of length 1", ""),
     Broken(

@@ -10,7 +10,7 @@ use super::floor::Friction;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ContactPair {
-    /// Names of two bodies: of a sole, or with `robot.contact = "bodies"` of a link or a sole; of an object (of
+    /// Names of two bodies: of a sole; of a link, unless `robot.contact` is `"soles"`; of an object (of
     /// a link of a model `OBJECT/LINK`); of terrain; `"floor"`. `*` matches any characters, `?` one.
     pub bodies: [String; 2],
     /// Coulomb friction between them: one number, or static and kinetic. Left out: the smaller coefficients of

@@ -41,14 +41,14 @@ pub struct RobotSpec {
     /// Behaviour at a joint's position limits.
     #[serde(default)]
     pub joint_limits: JointLimits,
-    /// Soles that replace the robot's; with an empty list only links touch the floor, if `contact`
-    /// is `"bodies"`. Left out: the robot's.
+    /// Soles that replace the robot's; with an empty list only links touch the floor, unless `contact`
+    /// is `"soles"`. Left out: the robot's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub soles: Option<Vec<SoleSpec>>,
-    /// What touches the floor.
+    /// What touches floor, terrain and objects.
     #[serde(default)]
     pub contact: TouchingParts,
-    /// Whether links touch each other; requires `contact = "bodies"`. Pairs that self-collision does not monitor,
+    /// Whether links touch each other; not with `contact = "soles"`. Pairs that self-collision does not monitor,
     /// such as neighbours, do not touch, nor do those that overlap at the start.
     #[serde(default, skip_serializing_if = "is_false")]
     pub self_contact: bool,
@@ -72,7 +72,7 @@ fn is_false(value: &bool) -> bool {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct BaseSpec {
-    /// Origin, m. Left out: above the world's origin, lowest sole vertex on the floor.
+    /// Origin, m. Left out: above the world's origin, as low as floor and terrain permit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub position: Option<[f64; 3]>,
     /// Roll, pitch, yaw as in URDF (about fixed x, then y, then z), rad.
@@ -125,15 +125,16 @@ impl Default for JointDefault {
     }
 }
 
-/// The parts of a robot that touch the floor.
+/// The parts of a robot that touch floor, terrain and objects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TouchingParts {
     /// The soles only.
-    #[default]
     Soles,
-    /// The soles, and the convex hulls of the collision shapes of all links. Corners of a hull within
-    /// 1 cm of a sole of its link are left out. Round shapes are polyhedra, as for self-collision.
+    /// The soles, and all links with their collision shapes: each ball, capsule and cylinder, and the convex
+    /// hull of the other shapes. Of a link with soles all shapes form one hull; its corners within 1 cm of a sole
+    /// do not touch the floor.
+    #[default]
     Bodies,
 }
 
