@@ -21,8 +21,14 @@ pub fn error_norm(
 ) -> f64 {
     let mut worst: f64 = 0.0;
     for group in groups {
-        let norm = |y: &[f64]| y[group.clone()].iter().map(|x| x * x).sum::<f64>().sqrt();
-        let e = group.clone().map(|i| math::powi(error(i), 2)).sum::<f64>().sqrt();
+        // The square root of a rounded square is exact.
+        let is_single = group.len() == 1;
+        let norm = |y: &[f64]| match &y[group.clone()] {
+            [x] => x.abs(),
+            all => all.iter().map(|x| x * x).sum::<f64>().sqrt(),
+        };
+        let squares = || group.clone().map(|i| math::powi(error(i), 2)).sum::<f64>();
+        let e = if is_single { error(group.start).abs() } else { squares().sqrt() };
         if !e.is_finite() {
             return f64::INFINITY;
         }

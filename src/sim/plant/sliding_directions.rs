@@ -15,6 +15,7 @@
 //! that of its location: a vertex slower than v_d could remain at it.
 
 use super::Plant;
+use crate::contact::model::problem::Vertex;
 use crate::dynamics::reduced::BodyId;
 use nalgebra::Vector2;
 use std::ops::Range;
@@ -51,10 +52,23 @@ impl Plant {
     /// not stop in time when a vertex comes to rest.
     pub fn update_directions(&mut self) {
         let held = !self.method.locates_events();
+        let mut greatest = None;
         for (s, references) in self.directions.iter().enumerate() {
-            let slow = self.direction_speed(s);
+            let vertices = &self.problem.soles[s].vertices;
+            let speed = |v: &Vertex| v.velocity.xy().norm();
+            // Vertices at rest, without a reference, keep none.
+            let at_rest = |(v, reference): (&Vertex, &Vector2<f64>)| {
+                *reference == Vector2::zeros() && !(speed(v) >= DIRECTION_SPEED)
+            };
+            let is_known = held || vertices.iter().zip(references).all(at_rest);
+            // Most others are fast.
+            let mut is_fast = || {
+                let greatest = *greatest.get_or_insert_with(|| self.greatest_direction_speed());
+                vertices.iter().all(|v| speed(v) >= greatest)
+            };
+            let slow = if is_known || is_fast() { DIRECTION_SPEED } else { self.direction_speed(s) };
             for (v, reference) in self.problem.soles[s].vertices.iter_mut().zip(references) {
-                v.direction = if held { *reference } else { direction(&v.velocity.xy(), reference, slow) };
+                v.direction = if is_known { *reference } else { direction(&v.velocity.xy(), reference, slow) };
             }
         }
     }
@@ -77,6 +91,15 @@ impl Plant {
             base + joints
         };
         DIRECTION_SPEED.max(self.reduced.bodies(sole).map(of_body).sum())
+    }
+
+    /// A bound of the direction speeds of all soles.
+    fn greatest_direction_speed(&self) -> f64 {
+        let (absolute, relative) = self.step_error;
+        let error = |v: &[f64]| v.len() as f64 * absolute + relative * v.iter().map(|v| v.abs()).sum::<f64>();
+        let sum = error(&self.state.v) + self.objects.list.iter().map(|object| error(&object.state.v)).sum::<f64>();
+        // Rounding.
+        2.0 * DIRECTION_SPEED.max(sum)
     }
 
     /// Makes the present sliding directions the references of the step that begins. A direction
