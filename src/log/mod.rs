@@ -22,8 +22,8 @@ mod write;
 
 pub use problem_files::{MAX_PROBLEMS, PROBLEM_SCHEMA, ProblemRecord, ProblemWriter};
 pub use read::{Attachment, JointSeries, LogDamage, LogError, LoggedEvent, Motion, PointSeries, RunInfo};
+pub use read::{ContactPoint, SoleSeries, Trajectory, VertexSeries, read_bytes};
 pub use read::{EstimateSeries, Frame, JointReadings, ObjectSeries, Scene, SelfCollisionSeries, SoleReadings};
-pub use read::{SoleSeries, Trajectory, VertexSeries, read_bytes};
 pub use salvage::{SalvageError, Salvaged, salvage};
 pub use topic_groups::{ParseTopicError, TopicGroups};
 pub use write::{AttachedText, ChannelInfo, LogHeader, LogWriter, MessageSink};

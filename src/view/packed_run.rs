@@ -9,7 +9,7 @@
 //! others as f32, rounded from the log's f64. An absent number (centre of pressure in flight) is
 //! NaN.
 
-use crate::log::{Frame, SelfCollisionSeries, SoleSeries};
+use crate::log::{ContactPoint, Frame, SelfCollisionSeries, SoleSeries};
 use crate::view::drawn_run::DrawnRun;
 use foxglove::messages::{Color, LinePrimitive, Point3, Pose, SceneEntity, line_primitive};
 use nalgebra::{Isometry3, Vector3};
@@ -192,7 +192,16 @@ fn sole(sole: &SoleSeries, columns: &mut Columns) -> Value {
             })
         })
         .collect();
-    json!({ "name": sole.name, "states": names, "state": state, "force": columns.vectors(&sole.force), "vertices": vertices })
+    // Of other contacts: position, force, and 1 where it is clamped, for each vertex.
+    let points = sole.is_link.then(|| {
+        let numbers =
+            |p: &ContactPoint| [xyz(&p.position), xyz(&p.force)].concat().into_iter().chain([f64::from(p.clamped)]);
+        columns.lists(|i| sole.points[i].iter().flat_map(numbers).collect())
+    });
+    json!({
+        "name": sole.name, "states": names, "state": state, "force": columns.vectors(&sole.force), "vertices": vertices,
+        "points": points,
+    })
 }
 
 fn shapes(entity: &SceneEntity, columns: &mut Columns) -> Vec<Value> {

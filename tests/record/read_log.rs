@@ -94,6 +94,12 @@ fn the_soles_are_read_to_the_last_bit() {
     assert!(soles[2].is_link && !soles[0].is_link);
     assert_eq!(soles[2].state, snapshots().map(|s| link(&s).state).collect::<Vec<_>>());
     same_vectors(&soles[2].force, |s| link(s).forces.iter().sum());
+    for (points, s) in soles[2].points.iter().zip(snapshots()) {
+        let link = link(&s);
+        assert_eq!(points.iter().map(|p| p.clamped).collect::<Vec<_>>(), link.clamped);
+        assert_eq!(points.iter().map(|p| p.position).collect::<Vec<_>>(), link.positions);
+        assert_eq!(points.iter().map(|p| p.force).collect::<Vec<_>>(), link.forces);
+    }
     for (i, sole) in soles.iter().enumerate().take(2) {
         assert_eq!(sole.state, snapshots().map(|s| s.soles[i].state.clone()).collect::<Vec<_>>());
         same_vectors(&sole.force, |s| s.soles[i].forces.iter().sum());

@@ -4,7 +4,7 @@ use crate::record::sample;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde_json::Value;
 use stiction::log::TopicGroups;
-use stiction::sim::Snapshot;
+use stiction::sim::{Snapshot, SoleSnapshot};
 use stiction::view::{DrawnRun, PackedRun, ViewError, pack};
 
 const TICKS: usize = 120;
@@ -113,6 +113,16 @@ fn numbers_equal_those_of_the_log() {
     assert_eq!((soles.len(), soles[2]["states"].as_array().unwrap().len()), (3, 2), "two soles and a link");
     let of_link = |s: &Snapshot| s.links.first().map_or(Vector3::zeros(), |(_, link)| link.forces.iter().sum());
     assert_same_numbers(&page.floats(&soles[2]["force"]), each(all.iter().map(of_link)));
+    for (tick, s) in all.iter().enumerate() {
+        let point = |link: &SoleSnapshot, v: usize| {
+            let (at, force) = (link.positions[v], link.forces[v]);
+            [at.x, at.y, at.z, force.x, force.y, force.z, f64::from(u8::from(link.clamped[v]))]
+        };
+        let link = s.links.first().map(|(_, link)| link);
+        let points = link.map_or(Vec::new(), |link| (0..link.forces.len()).flat_map(|v| point(link, v)).collect());
+        assert_same_numbers(&page.list(&soles[2]["points"], tick), points);
+    }
+    assert!(soles[0]["points"].is_null() && all.iter().any(|s| !s.links.is_empty()));
     for (i, sole) in soles.iter().enumerate().take(2) {
         let states = sole["states"].as_array().unwrap();
         let codes = page.bytes(&sole["state"], 1);

@@ -22,5 +22,6 @@ pub use object_series::ObjectSeries;
 pub use scene::{Frame, Scene};
 pub use self_collision_series::SelfCollisionSeries;
 pub use trajectory::{
-    Attachment, JointSeries, LoggedEvent, Motion, PointSeries, RunInfo, SoleSeries, Trajectory, VertexSeries,
+    Attachment, ContactPoint, JointSeries, LoggedEvent, Motion, PointSeries, RunInfo, SoleSeries, Trajectory,
+    VertexSeries,
 };

@@ -128,7 +128,7 @@ pub struct JointSeries {
 pub struct SoleSeries {
     /// Name in the robot file.
     pub name: String,
-    /// Another link that touches, not a sole. It has no vertices, as they change.
+    /// Another contact, not a sole. It has `points` instead of vertices, as they change.
     pub is_link: bool,
     /// `free`, or pattern and mode, such as `face-static`.
     pub state: Vec<String>,
@@ -136,6 +136,19 @@ pub struct SoleSeries {
     pub force: Vec<Vector3<f64>>,
     /// The vertices in the robot file's order.
     pub vertices: Vec<VertexSeries>,
+    /// The vertices of another contact, by tick; empty for soles.
+    pub points: Vec<Vec<ContactPoint>>,
+}
+
+/// A vertex of a contact at one tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactPoint {
+    /// Whether it touches and is clamped.
+    pub clamped: bool,
+    /// Position, world, m.
+    pub position: Vector3<f64>,
+    /// Force on it, world, N.
+    pub force: Vector3<f64>,
 }
 
 /// One vertex of a sole.

@@ -9,7 +9,8 @@ use crate::log::read::log_file::{LogFile, read_bytes};
 use crate::log::read::message_values::{quaternion, vector, vector_or_zero};
 use crate::log::read::object_series::ObjectFrames;
 use crate::log::read::trajectory::{
-    Attachment, JointSeries, LoggedEvent, Motion, PointSeries, RunInfo, SoleSeries, Trajectory, VertexSeries,
+    Attachment, ContactPoint, JointSeries, LoggedEvent, Motion, PointSeries, RunInfo, SoleSeries, Trajectory,
+    VertexSeries,
 };
 use crate::log::read::{estimate_series, self_collision_series};
 use prost::Message as _;
@@ -270,12 +271,12 @@ fn soles(rows: &[Contact]) -> Vec<SoleSeries> {
         state: of(s).map(|sole| sole.state.clone()).collect(),
         force: of(s).map(|sole| vector_or_zero(&sole.force)).collect(),
         vertices: (0..of_first.positions.len()).map(|v| vertex(s, v)).collect(),
+        points: Vec::new(),
     };
     first.soles.iter().enumerate().map(sole).chain(links(rows)).collect()
 }
 
-/// States and forces of the other links that touch at some tick; their vertices change and are left
-/// out.
+/// The other contacts that are closed at some tick.
 fn links(rows: &[Contact]) -> impl Iterator<Item = SoleSeries> {
     let names: BTreeSet<&str> = rows.iter().flat_map(|row| row.links.iter().map(|link| link.name.as_str())).collect();
     names.into_iter().map(|name| {
@@ -288,8 +289,19 @@ fn links(rows: &[Contact]) -> impl Iterator<Item = SoleSeries> {
                 .map(|link| link.map_or(nalgebra::Vector3::zeros(), |link| vector_or_zero(&link.force)))
                 .collect(),
             vertices: Vec::new(),
+            points: of().map(|link| link.map(contact_points).unwrap_or_default()).collect(),
         }
     })
+}
+
+fn contact_points(contact: &Sole) -> Vec<ContactPoint> {
+    let vertices = contact.clamped.iter().zip(&contact.positions).zip(&contact.forces);
+    let point = |((clamped, position), force): ((&bool, &VectorMessage), &VectorMessage)| ContactPoint {
+        clamped: *clamped,
+        position: vector(position),
+        force: vector(force),
+    };
+    vertices.map(point).collect()
 }
 
 fn event(e: Event) -> LoggedEvent {

@@ -3,7 +3,7 @@
 const LAYERS = [
   ["states", "contact states", null],
   ["forces", "contact forces, per vertex", null],
-  ["resultants", "contact forces, per sole", null],
+  ["resultants", "contact forces, summed", null],
   ["external", "external forces", COLOURS.external],
   ["com", "centre of mass", COLOURS.com],
   ["path", "its path", COLOURS.path],
@@ -45,7 +45,7 @@ class Viewer {
     this.stage.extras.push(this.eye);
     this.clock = new PlaybackClock(replay.times, replay.events, (tick) => this.show(tick));
     this.stage.fit();
-    this.centre = middle.clone().sub(this.shapes.at(this.shapes.base));
+    this.centre = middle.clone().sub(this.shapes.followed());
     this.describe();
     this.controls();
     this.listEvents();
@@ -70,7 +70,7 @@ class Viewer {
   show(tick) {
     this.shapes.show(tick);
     this.marks.show(tick);
-    this.stage.accompany(this.shapes.at(this.shapes.base));
+    this.stage.accompany(this.shapes.followed());
     byId("slider").value = tick;
     byId("time").value = `${this.replay.times[tick].toFixed(3)} s`;
     for (const [i, sole] of (this.replay.soles ?? []).entries()) {
@@ -168,7 +168,7 @@ class Viewer {
   }
 
   turn(view) {
-    this.stage.look(this.shapes.at(this.shapes.base).add(this.centre), VIEWS[view]);
+    this.stage.look(this.shapes.followed().add(this.centre), VIEWS[view]);
   }
 
   key(event) {

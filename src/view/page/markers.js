@@ -47,8 +47,10 @@ class Markers {
     layer("forces", replay.soles?.length, (group) => this.forces(group));
     layer("resultants", replay.soles?.length, (group) => this.resultants(group));
     layer("external", replay.external?.numbers.length, (group) => this.external(group));
-    layer("com", replay.com, (group) => this.ball(group, replay.com, COLOURS.com, 2));
-    layer("path", replay.com, (group) => this.path(group));
+    // A robot without mass has no centre of mass.
+    const com = replay.com && !Number.isNaN(replay.com[0]);
+    layer("com", com, (group) => this.ball(group, replay.com, COLOURS.com, 2));
+    layer("path", com, (group) => this.path(group));
     layer("cop", replay.cop, (group) => this.ball(group, replay.cop, COLOURS.cop, 1.5));
     layer("polygon", replay.polygon, (group) => this.polygon(group));
     layer("stable", replay.stable, (group) => this.ball(group, replay.stable, COLOURS.stable, 1.5));
@@ -67,6 +69,7 @@ class Markers {
 
   // Sets whether markers are visible through the robot.
   through(on) {
+    this.isThrough = on;
     this.root.traverse((object) => {
       if (!object.material) return;
       object.material.depthTest = !on;
@@ -87,6 +90,7 @@ class Markers {
 
   soles(group) {
     const shows = this.replay.soles.map((sole) => {
+      if (sole.points) return this.changing(group, sole);
       const k = sole.vertices.length;
       const corners = new Float32Array(3 * k);
       const fan = [];
@@ -115,14 +119,60 @@ class Markers {
     return (tick) => shows.forEach((show) => show(tick));
   }
 
+  // A contact whose vertices change: the polygon of those at a tick, and balls at the clamped ones.
+  changing(group, sole) {
+    const outline = new THREE.LineLoop(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ transparent: true }));
+    const fill = new THREE.Mesh(new THREE.BufferGeometry(), flat(0, 0.55));
+    outline.frustumCulled = fill.frustumCulled = false;
+    group.add(fill, outline);
+    const balls = [];
+    return (tick) => {
+      const colour = STATES[kindOf(sole.states[sole.state[tick]])];
+      const points = contactsAt(sole, tick);
+      setPolygon(outline, fill, new Float32Array(points.flatMap(({ at }) => at.toArray())));
+      for (const part of [outline, fill]) part.material.color.setHex(colour);
+      while (balls.length < points.length) {
+        const ball = new THREE.Mesh(new THREE.SphereGeometry(0.5, 16, 12), lit(0));
+        ball.scale.setScalar(this.size);
+        ball.material.depthTest = fill.material.depthTest;
+        ball.renderOrder = 10;
+        balls.push(ball);
+        group.add(ball);
+      }
+      balls.forEach((ball, i) => {
+        ball.visible = points[i]?.clamped ?? false;
+        if (!ball.visible) return;
+        ball.position.copy(points[i].at);
+        ball.material.color.setHex(colour);
+      });
+    };
+  }
+
   forces(group) {
     const all = this.replay.soles.flatMap((sole) => sole.vertices.map((v) => ({ sole, v, arrow: new Arrow(group) })));
+    const changing = this.replay.soles.filter((sole) => sole.points);
+    const arrows = [];
     return (tick) => {
       for (const { sole, v, arrow } of all) {
         const colour = STATES[kindOf(sole.states[sole.state[tick]])];
         this.point(arrow, vectorAt(v.position, tick), vectorAt(v.force, tick), colour);
       }
+      let used = 0;
+      for (const sole of changing) {
+        const colour = STATES[kindOf(sole.states[sole.state[tick]])];
+        for (const { at, force } of contactsAt(sole, tick)) {
+          if (used === arrows.length) arrows.push(this.added(new Arrow(group)));
+          this.point(arrows[used++], at, force, colour);
+        }
+      }
+      for (const arrow of arrows.slice(used)) this.point(arrow, null, null, 0);
     };
+  }
+
+  // An arrow that is made while the page is in use is visible as the others are.
+  added(arrow) {
+    arrow.shaft.material.depthTest = !this.isThrough;
+    return arrow;
   }
 
   // The sum of a sole's forces, at the mean of its vertices weighted by their normal parts.
@@ -133,9 +183,9 @@ class Markers {
         const sum = vectorAt(sole.force, tick);
         const at = new THREE.Vector3();
         let weights = 0;
-        for (const v of sole.vertices) {
-          const weight = Math.max(0, vectorAt(v.force, tick)?.dot(sum) ?? 0);
-          at.addScaledVector(vectorAt(v.position, tick), weight);
+        for (const vertex of contactsAt(sole, tick)) {
+          const weight = Math.max(0, vertex.force?.dot(sum) ?? 0);
+          at.addScaledVector(vertex.at, weight);
           weights += weight;
         }
         const colour = STATES[kindOf(sole.states[sole.state[tick]])];
@@ -177,14 +227,7 @@ class Markers {
     outline.frustumCulled = fill.frustumCulled = false;
     group.add(fill, outline);
     return (tick) => {
-      const corners = listAt(this.replay.polygon, tick);
-      const fan = [];
-      for (let i = 1; 3 * (i + 1) < corners.length; i++) fan.push(0, i, i + 1);
-      for (const [part, indices] of [[outline, null], [fill, new Uint32Array(fan)]]) {
-        part.geometry.dispose();
-        part.geometry = geometryOf(corners.slice(), indices);
-        part.visible = corners.length >= (indices ? 9 : 6);
-      }
+      setPolygon(outline, fill, listAt(this.replay.polygon, tick).slice());
     };
   }
 
@@ -252,6 +295,35 @@ class Arrow {
   }
 }
 
+// Vertices of a contact at a tick: position, force, and whether it is clamped.
+function contactsAt(sole, tick) {
+  if (!sole.points) {
+    return sole.vertices.map((v) => ({
+      at: vectorAt(v.position, tick),
+      force: vectorAt(v.force, tick),
+      clamped: v.clamped[tick] === 1,
+    }));
+  }
+  const numbers = listAt(sole.points, tick);
+  const found = [];
+  for (let i = 0; i < numbers.length; i += 7) {
+    const [at, force] = [i, i + 3].map((from) => vectorOf(numbers.subarray(from, from + 3)));
+    found.push({ at, force, clamped: numbers[i + 6] === 1 });
+  }
+  return found;
+}
+
+// Gives an outline and its filling the corners of a polygon.
+function setPolygon(outline, fill, corners) {
+  const fan = [];
+  for (let i = 1; 3 * (i + 1) < corners.length; i++) fan.push(0, i, i + 1);
+  for (const [part, indices] of [[outline, null], [fill, new Uint32Array(fan)]]) {
+    part.geometry.dispose();
+    part.geometry = geometryOf(corners, indices);
+    part.visible = corners.length >= (indices ? 9 : 6);
+  }
+}
+
 // Classifies a distance by the margin of the scenario.
 function nearness(distance, margin) {
   if (distance <= 0) return "overlap";
@@ -272,7 +344,7 @@ function flat(color, opacity) {
 
 // A tenth of the widest sole, limited so that markers are visible and do not hide a foot.
 function markerSize(replay, extent) {
-  const soles = (replay.soles ?? []).map((sole) => sole.vertices.map((v) => vectorAt(v.position, 0)));
+  const soles = (replay.soles ?? []).map((sole) => contactsAt(sole, 0).map(({ at }) => at));
   const widths = soles.flatMap((corners) => corners.map((corner) => corner.distanceTo(corners[0])));
   const width = Math.max(0, ...widths);
   return Math.min(width > 0 ? Math.min(Math.max(0.1 * width, 0.005), 0.05) : Infinity, 0.04 * extent);

@@ -52,6 +52,7 @@ function unpack(buffer) {
         states: s.states,
         state: bytes(s.state),
         force: floats(s.force),
+        points: some(s.points, lists),
         vertices: s.vertices.map((v) => ({
           clamped: bytes(v.clamped),
           position: floats(v.position),

@@ -44,7 +44,13 @@ class Shapes {
     return new THREE.Vector3().setFromMatrixPosition(this.groups.get(name).matrixWorld);
   }
 
-  // Centre and half diagonal of the robot at the shown tick.
+  // The point that the camera follows: the base, or the middle of all that moves if the robot has no shape.
+  followed() {
+    const isObject = ({ frame }) => frame.startsWith("object/");
+    return this.robot.length > 0 && this.robot.every(isObject) ? this.bounds().middle : this.at(this.base);
+  }
+
+  // Centre and half diagonal of robot and objects at the shown tick.
   bounds() {
     const [low, high] = [new THREE.Vector3().setScalar(Infinity), new THREE.Vector3().setScalar(-Infinity)];
     const take = (centre, radius) => {
