@@ -5,7 +5,7 @@ use crate::collision::spatial::shape_points;
 use crate::dynamics::reduced::{BodyId, Mechanisms};
 use crate::dynamics::{State, Workspace, kinematics};
 use crate::patches::{ConvexBody, touchable_depth};
-use crate::robot::{Base, Geometry, Link, LinkId, Model, Shape, Sole};
+use crate::robot::{Base, Geometry, Link, LinkId, Model, Sole};
 use crate::scenario::{Diagnostic, Run, TouchingParts};
 use crate::sim::Floor;
 use crate::sim::bodies::{Body, FLOOR, FloorFriction, Host, Pair, PairRules, pairs};
@@ -35,44 +35,38 @@ pub(super) fn robot_bodies(model: &Model, run: &Run, resolution: usize) -> Vec<B
     }
 }
 
-/// Bodies of all links: each round shape, and the convex hull of the others. A link with soles has one hull
-/// of all its shapes and soles, in which `resolution` is the number of corners to a circle.
+/// Shapes of all links: of one with a single round collision shape and without soles that shape, of others
+/// the convex hull of their shapes and soles. `resolution` is the number of corners to a circle.
 pub(super) fn link_shapes(model: &Model, resolution: usize) -> Vec<(LinkId, ConvexBody)> {
-    let of_link = |(i, link): (usize, &Link)| -> Vec<(LinkId, ConvexBody)> {
-        let id = LinkId(i);
-        let soles = model.soles.iter().filter(|sole| sole.link == id).flat_map(|sole| &sole.vertices);
-        let angular = link.collisions.iter().filter(|shape| !is_round(model, id, shape));
-        let shapes = angular.flat_map(|shape| shape_points(shape, resolution));
+    let of_link = |(i, link): (usize, &Link)| {
+        if let Some(shape) = round_shape(model, LinkId(i)) {
+            return Some((LinkId(i), shape));
+        }
+        let soles = model.soles.iter().filter(|sole| sole.link.0 == i).flat_map(|sole| &sole.vertices);
+        let shapes = link.collisions.iter().flat_map(|shape| shape_points(shape, resolution));
         let points: Vec<Vector3<f64>> = shapes.chain(soles.copied()).collect();
-        let hull = ConvexBody::from_points(&points).or_else(|| flat_body(&points));
-        hull.into_iter().chain(round_shapes_of(model, id)).map(|shape| (id, shape)).collect()
+        Some((LinkId(i), ConvexBody::from_points(&points).or_else(|| flat_body(&points))?))
     };
-    model.links.iter().enumerate().flat_map(of_link).collect()
+    model.links.iter().enumerate().filter_map(of_link).collect()
 }
 
 fn round_shapes(model: &Model) -> Vec<(LinkId, ConvexBody)> {
     let links = (0..model.links.len()).map(LinkId);
-    links.flat_map(|id| round_shapes_of(model, id).map(move |shape| (id, shape))).collect()
+    links.filter_map(|link| Some((link, round_shape(model, link)?))).collect()
 }
 
-fn round_shapes_of(model: &Model, link: LinkId) -> impl Iterator<Item = ConvexBody> {
-    let shapes = model.links[link.0].collisions.iter();
-    shapes.filter(move |shape| is_round(model, link, shape)).filter_map(round_body)
-}
-
-/// Whether a link touches with the exact surface of this shape. Beside a sole round shapes belong to the hull.
-pub(super) fn is_round(model: &Model, link: LinkId, shape: &Shape) -> bool {
-    shape.geometry.is_round() && model.soles.iter().all(|sole| sole.link != link)
-}
-
-fn round_body(shape: &Shape) -> Option<ConvexBody> {
+/// The shape of a link with one round collision shape and without soles.
+pub(super) fn round_shape(model: &Model, link: LinkId) -> Option<ConvexBody> {
+    let [shape] = &model.links[link.0].collisions[..] else { return None };
     let body = match shape.geometry {
         Geometry::Sphere(radius) => ConvexBody::ball(radius),
         Geometry::Capsule(radius, length) => ConvexBody::capsule(0.5 * length, radius),
         Geometry::Cylinder(radius, length) => ConvexBody::cylinder(0.5 * length, radius),
+        // The hulls of boxes are exact too.
         Geometry::Box(_) | Geometry::Mesh(..) => return None,
     };
-    Some(body.placed(&shape.pose))
+    let has_sole = model.soles.iter().any(|sole| sole.link == link);
+    (shape.geometry.is_round() && !has_sole).then(|| body.placed(&shape.pose))
 }
 
 /// A convex polygon, a line or a point.

@@ -27,7 +27,6 @@ mod start_height;
 mod tasks;
 pub mod terrain;
 
-use self::bodies::is_round;
 use self::start_height::Ground;
 use crate::contact::model::problem::Tolerances;
 use crate::contact::model::state::SoleState;
@@ -66,7 +65,7 @@ pub fn setup_with(run: &Run, robot: &Robot, models: &[Arc<Robot>]) -> Result<Set
     let plane = s.floor.plane.then_some(Plane { rotation: floor.rotation, point: floor.point });
     let terrain = terrain::terrain(run, plane, &mut notes, &mut errors);
     let touching_links = (s.robot.contact == TouchingParts::Bodies && s.floor.plane).then(|| {
-        LinkHull::of_model(&model, robot.self_collision.resolution, |link, shape| is_round(&model, link, shape))
+        LinkHull::of_model(&model, robot.self_collision.resolution, |link| bodies::round_shape(&model, link).is_some())
     });
     let touching = bodies::robot_bodies(&model, run, robot.self_collision.resolution);
     let hulls = touching_links.as_deref();

@@ -96,7 +96,7 @@ fn a_fallen_humanoid_comes_to_rest_with_nothing_below_the_floor() {
     assert!((m.final_normal_force_n.unwrap() / weight - 1.0).abs() < 1e-9);
     // All corners of all links, touching or not.
     let plant = sim.plant();
-    let hulls = LinkHull::of_model(&plant.model, 16, |_, _| false);
+    let hulls = LinkHull::of_model(&plant.model, 16, |_| false);
     assert!(hulls.len() > 10);
     let (mut lowest, mut touching) = (f64::INFINITY, 0);
     for hull in &hulls {
@@ -171,7 +171,7 @@ fn a_restored_state_has_its_links_on_the_floor() {
 #[test]
 fn the_hull_of_a_block_with_a_sole_is_its_upper_face() {
     let block = robot::load(&root().join("robots/block/block.toml")).unwrap().model;
-    let hulls = LinkHull::of_model(&block, 16, |_, _| false);
+    let hulls = LinkHull::of_model(&block, 16, |_| false);
     assert_eq!((hulls.len(), hulls[0].points.len(), hulls[0].faces.len()), (1, 4, 1));
     assert!(hulls[0].points.iter().all(|p| p.z == 0.05));
 }

@@ -61,21 +61,16 @@ fn is_foot(model: &Model, link: LinkId, shape: &Shape) -> bool {
 
 impl LinkHull {
     /// The hulls of all links with collision shapes. Points near a sole of their link are left out, and balls with a
-    /// vertex of a sole on their surface: the sole stands for them. `resolution` is the number of corners to a circle; shapes for which `leave` holds
-    /// are left out, and so is the root of a fixed base, which cannot move.
-    pub fn of_model(model: &Model, resolution: usize, leave: impl Fn(LinkId, &Shape) -> bool) -> Vec<Self> {
+    /// vertex of a sole on their surface: the sole stands for them. `resolution` is the number of corners to a circle; links for which `leave` holds
+    /// have none, and so has the root of a fixed base, which cannot move.
+    pub fn of_model(model: &Model, resolution: usize, leave: impl Fn(LinkId) -> bool) -> Vec<Self> {
         let moving = usize::from(model.base == Base::Fixed)..model.links.len();
-        moving.filter_map(|link| Self::of_link(model, LinkId(link), resolution, &leave)).collect()
+        let links = moving.map(LinkId).filter(|link| !leave(*link));
+        links.filter_map(|link| Self::of_link(model, link, resolution)).collect()
     }
 
-    fn of_link(
-        model: &Model,
-        link: LinkId,
-        resolution: usize,
-        leave: &impl Fn(LinkId, &Shape) -> bool,
-    ) -> Option<Self> {
-        let shapes = model.links[link.0].collisions.iter();
-        let shapes = shapes.filter(|shape| !leave(link, shape) && !is_foot(model, link, shape));
+    fn of_link(model: &Model, link: LinkId, resolution: usize) -> Option<Self> {
+        let shapes = model.links[link.0].collisions.iter().filter(|shape| !is_foot(model, link, shape));
         let mut points: Vec<Vector3<f64>> = shapes.flat_map(|shape| shape_points(shape, resolution)).collect();
         points.retain(|point| !is_point_near_soles(model, link, point));
         let (points, faces) = hull(points)?;
