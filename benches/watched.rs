@@ -64,6 +64,7 @@ fn log(setup: &Setup, folder: Option<&Path>, outlet: Option<Box<dyn MessageSink>
         objects: &[],
         terrain: &setup.terrain,
         topics: TopicGroups::ALL,
+        viewer_rate: 50.0,
     };
     let path = folder.map(|folder| folder.join("log.mcap"));
     LogWriter::open(path.as_deref(), outlet, &setup.model, &header).expect("a log can be written")

@@ -1,7 +1,7 @@
 //! Estimates the size of a run's log from its rate, duration and robot, and limits it.
 //!
-//! Bytes per logged instant were measured on logs of a block, HOAP-2, CB-i and a quadruped: 250 to
-//! 3900, some 40 per joint for its state, 55 for its frame and 300 per sole.
+//! Bytes per logged instant were measured on logs of a block, HOAP-2, CB-i and a quadruped: some 30 per joint for
+//! its state, 300 per sole, and at instants for viewers 55 per joint.
 
 use crate::robot::Model;
 use crate::scenario::{Diagnostic, LogTopic, Run, Severity};
@@ -23,12 +23,13 @@ const MAX_REFERENCE: f64 = 4e9;
 /// Size of a run's log, bytes, about.
 fn log_bytes(run: &Run, model: &Model) -> f64 {
     let (joints, soles) = (model.nj() as f64, model.soles.len() as f64);
-    let of_topic = |topic: &LogTopic| match topic {
-        LogTopic::State => 40.0 * joints,
-        LogTopic::Contact => 300.0 * soles,
-        LogTopic::Scene => 55.0 * joints,
-    };
     let log = &run.scenario.log;
+    let for_viewers = (log.viewer_rate / log.rate).min(1.0);
+    let of_topic = |topic: &LogTopic| match topic {
+        LogTopic::State => 30.0 * joints,
+        LogTopic::Contact => 300.0 * soles,
+        LogTopic::Scene => 55.0 * joints * for_viewers,
+    };
     log.rate * run.scenario.end() * (250.0 + log.topics.iter().map(of_topic).sum::<f64>())
 }
 

@@ -58,6 +58,7 @@ fn messages() -> Vec<DescriptorProto> {
                 many(18, "points", FieldType::Message("Point")),
             ],
         ),
+        message("Objects", [one(1, "time", DOUBLE), many(2, "poses", DOUBLE)]),
         message(
             "Sole",
             [

@@ -144,6 +144,17 @@ pub struct Sole {
     pub force: Option<Vector3>,
 }
 
+/// Poses of the links of objects at one tick, topic `/objects`. The channel's metadata names them.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct Objects {
+    /// Simulated time, s.
+    #[prost(double, tag = "1")]
+    pub time: f64,
+    /// Seven numbers for each: origin of its frame in the world, m, and orientation w, x, y, z.
+    #[prost(double, repeated, tag = "2")]
+    pub poses: Vec<f64>,
+}
+
 /// All soles at one tick, topic `/contact`.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct Contact {

@@ -14,6 +14,8 @@ pub struct DrawnRun {
     pub scene: Scene,
     /// Simulated times of the ticks, s.
     pub times: Vec<f64>,
+    /// Index of each tick in the series of `run`.
+    pub rows: Vec<usize>,
 }
 
 impl DrawnRun {
@@ -30,17 +32,20 @@ impl DrawnRun {
 
     /// Keeps the ticks that both parts have; `None` if there are no frames at any tick.
     fn new(run: Trajectory, mut scene: Scene) -> Option<Self> {
-        let times = if run.times.is_empty() {
-            // A log of frames alone has only the log time, to the nanosecond.
-            scene.times.iter().map(|ns| *ns as f64 * 1e-9).collect()
+        // Frames have only the log time, to the nanosecond.
+        let nanoseconds = |time: f64| (time * 1e9).round() as u64;
+        let row = |ns: u64| run.times.binary_search_by_key(&ns, |time| nanoseconds(*time)).ok();
+        let rows: Vec<usize> = if run.times.is_empty() {
+            (0..scene.times.len()).collect()
         } else {
             // A failed run may have written its last tick on some topics only.
-            let both = run.times.len().min(scene.times.len());
-            run.times[..both].to_vec()
+            scene.times.iter().map_while(|ns| row(*ns)).collect()
         };
-        scene.times.truncate(times.len());
-        scene.frames.iter_mut().for_each(|frame| frame.poses.truncate(times.len()));
-        (!times.is_empty()).then_some(Self { run, scene, times })
+        scene.times.truncate(rows.len());
+        scene.frames.iter_mut().for_each(|frame| frame.poses.truncate(rows.len()));
+        let time = |(ns, row): (&u64, &usize)| run.times.get(*row).copied().unwrap_or(*ns as f64 * 1e-9);
+        let times: Vec<f64> = scene.times.iter().zip(&rows).map(time).collect();
+        (!times.is_empty()).then_some(Self { run, scene, times, rows })
     }
 
     /// Name of the root frame, the one without parent.

@@ -25,7 +25,8 @@ pub struct PackedRun(pub Vec<u8>);
 /// Encodes a run, with at most `rate` ticks per second, Hz, if given.
 pub fn pack(drawn: &DrawnRun, rate: Option<f64>) -> PackedRun {
     let ticks = drawn.thinned(rate);
-    let mut columns = Columns { ticks: &ticks, bytes: Vec::new() };
+    let rows: Vec<usize> = ticks.iter().map(|&i| drawn.rows[i]).collect();
+    let mut columns = Columns { ticks: &ticks, rows: &rows, bytes: Vec::new() };
     let times = columns.times(&drawn.times);
     let run = &drawn.run;
     let motion = run.motion.as_ref();
@@ -60,7 +61,9 @@ pub fn pack(drawn: &DrawnRun, rate: Option<f64>) -> PackedRun {
 
 /// Columns of numbers, appended one after the other.
 struct Columns<'a> {
+    /// Indices of the shown ticks among those of the frames, and among those of the run's series.
     ticks: &'a [usize],
+    rows: &'a [usize],
     bytes: Vec<u8>,
 }
 
@@ -86,20 +89,20 @@ impl Columns<'_> {
     }
 
     fn vectors(&mut self, series: &[Vector3<f64>]) -> Value {
-        let numbers: Vec<f64> = self.ticks.iter().flat_map(|&i| xyz(&series[i])).collect();
+        let numbers: Vec<f64> = self.rows.iter().flat_map(|&i| xyz(&series[i])).collect();
         self.floats(&numbers)
     }
 
     fn optional(&mut self, series: &[Option<Vector3<f64>>]) -> Value {
         let absent = Vector3::repeat(f64::NAN);
-        let numbers: Vec<f64> = self.ticks.iter().flat_map(|&i| xyz(&series[i].unwrap_or(absent))).collect();
+        let numbers: Vec<f64> = self.rows.iter().flat_map(|&i| xyz(&series[i].unwrap_or(absent))).collect();
         self.floats(&numbers)
     }
 
     /// Lists of different lengths: their offsets, then all numbers.
     fn lists(&mut self, of: impl Fn(usize) -> Vec<f64>) -> Value {
         let (mut starts, mut all) = (vec![0], Vec::new());
-        for &i in self.ticks {
+        for &i in self.rows {
             all.extend(of(i));
             starts.push(all.len() as u32);
         }
@@ -152,7 +155,7 @@ fn frame(frame: &Frame, columns: &mut Columns) -> Value {
 /// Encodes the nearest pair of the robot's bodies: indices into a list of names, distance, and a
 /// point on either body.
 fn nearest(series: &SelfCollisionSeries, margin: f64, columns: &mut Columns) -> Value {
-    let ticks = columns.ticks;
+    let ticks = columns.rows;
     let (names, codes) = distinct(ticks.iter().map(|&i| series.pair[i].as_str()));
     let codes: Vec<u32> = codes.into_iter().map(|code| code as u32).collect();
     let distances: Vec<f64> = ticks.iter().map(|&i| series.distance[i]).collect();
@@ -174,7 +177,7 @@ fn margin(drawn: &DrawnRun) -> f64 {
 }
 
 fn sole(sole: &SoleSeries, columns: &mut Columns) -> Value {
-    let ticks = columns.ticks;
+    let ticks = columns.rows;
     let (names, codes) = distinct(ticks.iter().map(|&i| sole.state[i].as_str()));
     // A sole of k vertices has 1 + 2 (2 k + 1) states, so a byte suffices for more than 60
     // vertices; soles have fewer.

@@ -50,6 +50,7 @@ fn log_and_panic(job: &Job, log: &Path) -> RunEnd {
         terrain: &Default::default(),
         inputs: &[],
         topics: TopicGroups::ALL,
+        viewer_rate: f64::INFINITY,
     };
     let _writer = LogWriter::create(log, &job.robot.model, &header).unwrap();
     let empty: Vec<f64> = Vec::new();

@@ -56,6 +56,7 @@ frame = "link"
 start = 0.3
 duration = 0.2
 [log]
+viewer_rate = 1000
 rate = 100
 "#;
 

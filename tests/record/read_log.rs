@@ -4,7 +4,7 @@
 use super::sample::{self, ROBOT, SCENARIO, URDF};
 use nalgebra::Vector3;
 use std::path::Path;
-use stiction::log::{LogError, LogWriter, TopicGroups, Trajectory, messages};
+use stiction::log::{LogError, LogHeader, LogWriter, TopicGroups, Trajectory, messages};
 use stiction::robot::JointKind;
 use stiction::sim::{Observer, Snapshot, SoleSnapshot};
 
@@ -109,6 +109,43 @@ fn the_soles_are_read_to_the_last_bit() {
             same_vectors(&vertex.velocity, |s| s.soles[i].velocities[k]);
             same_vectors(&vertex.force, |s| s.soles[i].forces[k]);
         }
+    }
+}
+
+#[test]
+fn topics_for_viewers_have_a_rate_of_their_own_and_objects_that_of_the_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.mcap");
+    let objects = [sample::model().links[1].clone(), sample::model().links[2].clone()];
+    let header = LogHeader { viewer_rate: 50.0, objects: &objects, ..sample::header(TopicGroups::ALL) };
+    let with_objects = |tick: usize| {
+        let mut snapshot = sample::snapshot(tick);
+        snapshot.object_poses = snapshot.link_poses[1..3].to_vec();
+        snapshot
+    };
+    let mut log = LogWriter::create(&path, &sample::model(), &header).unwrap();
+    for tick in 0..TICKS {
+        log.snapshot(&with_objects(tick)).unwrap();
+    }
+    log.finish().unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let count = |topic: &str| {
+        mcap::MessageStream::new(&bytes).unwrap().filter(|m| m.as_ref().unwrap().channel.topic == topic).count()
+    };
+    for topic in ["/state", "/contact", "/residual", "/objects"] {
+        assert_eq!(count(topic), TICKS, "{topic}");
+    }
+    // 200 instants a second.
+    for topic in ["/tf", "/scene/contact", "/joint_states"] {
+        assert_eq!(count(topic), TICKS.div_ceil(4), "{topic}");
+    }
+    let run = Trajectory::read(&path).unwrap();
+    assert_eq!(run.objects.len(), 2);
+    for (k, series) in run.objects.iter().enumerate() {
+        assert_eq!(series.name, objects[k].name);
+        let poses = (0..TICKS).map(|tick| with_objects(tick).object_poses[k]);
+        assert_eq!(series.position, poses.clone().map(|pose| pose.translation.vector).collect::<Vec<_>>());
+        assert_eq!(series.orientation, poses.map(|pose| pose.rotation).collect::<Vec<_>>());
     }
 }
 

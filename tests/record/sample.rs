@@ -262,12 +262,18 @@ pub fn header(topics: TopicGroups) -> LogHeader<'static> {
         terrain: &TERRAIN,
         inputs: &[],
         topics,
+        viewer_rate: f64::INFINITY,
     }
 }
 
 /// A writer after `ticks` snapshots and their events.
 pub fn open_log(path: &Path, ticks: usize, topics: TopicGroups) -> LogWriter {
-    let mut log = LogWriter::create(path, &model(), &header(topics)).unwrap();
+    open_log_with(path, ticks, &header(topics))
+}
+
+/// The same with a header.
+pub fn open_log_with(path: &Path, ticks: usize, header: &LogHeader) -> LogWriter {
+    let mut log = LogWriter::create(path, &model(), header).unwrap();
     for tick in 0..ticks {
         log.snapshot(&snapshot(tick)).unwrap();
         if tick < 4 {

@@ -3,7 +3,7 @@
 use crate::record::sample;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde_json::Value;
-use stiction::log::TopicGroups;
+use stiction::log::{LogHeader, TopicGroups};
 use stiction::sim::{Snapshot, SoleSnapshot};
 use stiction::view::{DrawnRun, PackedRun, ViewError, pack};
 
@@ -211,6 +211,31 @@ fn a_rate_keeps_some_ticks_and_the_last() {
     assert_same_numbers(&page.floats(&page.head["com"]), each(kept.iter().map(|&i| sample::snapshot(i).com)));
     let moving = page.head["frames"].as_array().unwrap().iter().find(|f| f["fixed"] == false).unwrap();
     assert_eq!(page.floats(&moving["poses"]).len(), 7 * kept.len());
+}
+
+/// The sample has 200 ticks a second.
+#[test]
+fn frames_for_viewers_are_shown_with_the_series_at_their_instants() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.mcap");
+    let header = LogHeader { viewer_rate: 50.0, ..sample::header(TopicGroups::ALL) };
+    sample::open_log_with(&path, TICKS, &header).finish().unwrap();
+    let drawn = DrawnRun::read(&path).unwrap();
+    let shown: Vec<usize> = (0..TICKS).step_by(4).collect();
+    assert_eq!(drawn.rows, shown);
+    assert_eq!(drawn.run.times.len(), TICKS);
+    let page = Page::of(&pack(&drawn, None));
+    let all = snapshots();
+    assert_eq!(page.times(), shown.iter().map(|&i| all[i].time).collect::<Vec<_>>());
+    assert_same_numbers(&page.floats(&page.head["com"]), each(shown.iter().map(|&i| all[i].com)));
+    let force = &page.head["soles"][0]["force"];
+    assert_same_numbers(&page.floats(force), each(shown.iter().map(|&i| all[i].soles[0].forces.iter().sum())));
+    // Every second of these, and the last.
+    let half = Page::of(&pack(&drawn, Some(25.0)));
+    let kept: Vec<usize> = shown.iter().step_by(2).copied().chain([*shown.last().unwrap()]).collect();
+    assert_same_numbers(&half.floats(&half.head["com"]), each(kept.iter().map(|&i| all[i].com)));
+    let moving = page.head["frames"].as_array().unwrap().iter().find(|f| f["fixed"] == false).unwrap();
+    assert_eq!(page.floats(&moving["poses"]).len(), 7 * shown.len());
 }
 
 #[test]

@@ -335,6 +335,7 @@ pub(crate) fn open_log_of(
         objects,
         terrain,
         topics,
+        viewer_rate: run.scenario.log.viewer_rate,
     };
     LogWriter::open(path, sink, model, &header)
 }

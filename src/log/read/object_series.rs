@@ -1,9 +1,11 @@
-//! Poses of the links of objects as time series, from the frames `object/NAME` of `/tf`.
+//! Poses of the links of objects as time series, from `/objects`. Logs of earlier versions have them in the frames
+//! `object/NAME` of `/tf` only.
 
+use crate::log::messages::Objects;
 use crate::log::read::log_error::LogDamage;
 use crate::log::read::message_values::pose;
 use foxglove::messages::{FrameTransform, FrameTransforms};
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use prost::Message as _;
 
 /// What frames of objects begin with.
@@ -29,12 +31,33 @@ pub(super) struct ObjectFrames {
     has_none: bool,
     /// Objects differ between ticks.
     has_changed: bool,
+    /// They have a topic of their own.
+    is_named: bool,
 }
 
 impl ObjectFrames {
-    /// Reads a message of `/tf`.
+    /// Objects of the topic `/objects`.
+    pub fn named(names: Vec<String>) -> Self {
+        let series = names.into_iter().map(|name| ObjectSeries { name, ..Default::default() }).collect();
+        ObjectFrames { series, is_named: true, ..Default::default() }
+    }
+
+    /// Reads a message of `/objects`.
     pub fn decode(&mut self, data: &[u8]) -> Result<(), prost::DecodeError> {
-        if self.has_none {
+        let poses = Objects::decode(data)?.poses;
+        self.ticks += 1;
+        self.has_changed |= poses.len() != 7 * self.series.len();
+        for (series, pose) in self.series.iter_mut().zip(poses.chunks_exact(7)) {
+            series.position.push(Vector3::new(pose[0], pose[1], pose[2]));
+            let orientation = Quaternion::new(pose[3], pose[4], pose[5], pose[6]);
+            series.orientation.push(UnitQuaternion::new_unchecked(orientation));
+        }
+        Ok(())
+    }
+
+    /// Reads a message of `/tf`.
+    pub fn decode_frames(&mut self, data: &[u8]) -> Result<(), prost::DecodeError> {
+        if self.has_none || self.is_named {
             return Ok(());
         }
         let message = FrameTransforms::decode(data)?;
@@ -71,8 +94,11 @@ impl ObjectFrames {
     /// Checks that there are as many ticks as `times` of other topics, and the same objects at each.
     pub fn check(&self, times: &[f64]) -> Result<(), LogDamage> {
         match self.ticks() {
-            Some(found) if found != times.len() => Err(LogDamage::Ticks { topic: "/tf", found, expected: times.len() }),
             Some(_) if self.has_changed => Err(LogDamage::Objects),
+            Some(found) if found != times.len() => {
+                let topic = if self.is_named { "/objects" } else { "/tf" };
+                Err(LogDamage::Ticks { topic, found, expected: times.len() })
+            }
             _ => Ok(()),
         }
     }

@@ -69,6 +69,10 @@ impl TopicMessages {
                     all.estimate = Some(Vec::new());
                 }
                 "/self_collision" => all.self_collision = Some(Vec::new()),
+                "/objects" => {
+                    let names = list("/objects", metadata, "objects").map_err(|damage| file.damage(damage))?;
+                    all.objects = ObjectFrames::named(names);
+                }
                 _ => {}
             }
         }
@@ -89,7 +93,8 @@ impl TopicMessages {
             "/residual" => self.residual.get_or_insert_default().push(Residual::decode(data)?),
             "/estimate" => self.estimate.get_or_insert_default().push(Estimate::decode(data)?),
             "/self_collision" => self.self_collision.get_or_insert_default().push(SelfCollision::decode(data)?),
-            "/tf" => self.objects.decode(data)?,
+            "/objects" => self.objects.decode(data)?,
+            "/tf" => self.objects.decode_frames(data)?,
             "/events" => self.events.push(Event::decode(data)?),
             _ => {}
         }

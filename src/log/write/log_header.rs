@@ -41,4 +41,6 @@ pub struct LogHeader<'a> {
     pub terrain: &'a Terrain,
     /// Topics to log.
     pub topics: TopicGroups,
+    /// Greatest rate of topics that only viewers read, Hz.
+    pub viewer_rate: f64,
 }

@@ -9,6 +9,7 @@ use crate::log::write::log_header::LogHeader;
 use crate::log::write::log_output::LogOutput;
 use crate::log::write::marker_topic::MarkerTopic;
 use crate::log::write::message_sink::MessageSink;
+use crate::log::write::objects_topic::ObjectsTopic;
 use crate::log::write::residual_topic::ResidualTopic;
 use crate::log::write::self_collision_topic::SelfCollisionTopic;
 use crate::log::write::state_topics::{JointStateTopic, StateTopic};
@@ -18,12 +19,19 @@ use crate::robot::Model;
 use crate::sim::{Observer, ObserverError, SimEvent, Snapshot};
 use std::path::Path;
 
+/// Topics of every logged instant, and those that only viewers read.
+#[derive(Default)]
+struct Topics {
+    all: Vec<Box<dyn Topic>>,
+    viewers: Vec<Box<dyn Topic>>,
+}
+
 /// Opens the topics of the selected groups.
-fn open_topics(output: &mut LogOutput, model: &Model, header: &LogHeader) -> Result<Vec<Box<dyn Topic>>, RecordError> {
-    let mut topics: Vec<Box<dyn Topic>> = Vec::new();
+fn open_topics(output: &mut LogOutput, model: &Model, header: &LogHeader) -> Result<Topics, RecordError> {
+    let Topics { all: mut topics, mut viewers } = Topics::default();
     if header.topics.state {
         topics.push(Box::new(StateTopic::open(output, model)?));
-        topics.push(Box::new(JointStateTopic::open(output, model, header)?));
+        viewers.push(Box::new(JointStateTopic::open(output, model, header)?));
         topics.push(Box::new(EstimateTopic::new(model)));
         topics.push(Box::new(SelfCollisionTopic::new(model)));
     }
@@ -31,12 +39,15 @@ fn open_topics(output: &mut LogOutput, model: &Model, header: &LogHeader) -> Res
         topics.push(Box::new(ContactTopic::open(output, model)?));
         topics.push(Box::new(ResidualTopic::open(output)?));
     }
-    if header.topics.scene {
-        topics.push(Box::new(FramesTopic::open(output, model, header)?));
-        scene_shapes::write(output, model, header)?;
-        topics.push(Box::new(MarkerTopic::open(output, model)?));
+    if !header.objects.is_empty() && (header.topics.state || header.topics.contact) {
+        topics.push(Box::new(ObjectsTopic::open(output, header.objects)?));
     }
-    Ok(topics)
+    if header.topics.scene {
+        viewers.push(Box::new(FramesTopic::open(output, model, header)?));
+        scene_shapes::write(output, model, header)?;
+        viewers.push(Box::new(MarkerTopic::open(output, model)?));
+    }
+    Ok(Topics { all: topics, viewers })
 }
 
 /// Writes the log of one run. If it is dropped without [`LogWriter::finish`] (a run that panicked),
@@ -47,7 +58,10 @@ pub struct LogWriter {
     /// Time of the last snapshot, ns.
     last: u64,
     begun: bool,
-    topics: Vec<Box<dyn Topic>>,
+    topics: Topics,
+    /// Time from which on the topics of viewers are due, s, and the least time between their messages.
+    due: f64,
+    viewer_period: f64,
     events: EventTopics,
     links: usize,
     joints: usize,
@@ -102,6 +116,9 @@ impl LogWriter {
             last: 0,
             begun: false,
             topics,
+            due: f64::NEG_INFINITY,
+            // Instants of the log are rounded.
+            viewer_period: 0.99 / header.viewer_rate,
             events,
             links: model.links.len(),
             joints: model.joints.len(),
@@ -149,7 +166,12 @@ impl Observer for LogWriter {
             return Ok(());
         }
         let time = conversion::nanoseconds(snapshot.time);
-        self.topics.iter_mut().try_for_each(|t| t.record(time, snapshot, output)).map_err(ObserverError::new)?;
+        let mut record = |t: &mut Box<dyn Topic>| t.record(time, snapshot, output).map_err(ObserverError::new);
+        self.topics.all.iter_mut().try_for_each(&mut record)?;
+        if snapshot.time >= self.due {
+            self.topics.viewers.iter_mut().try_for_each(&mut record)?;
+            self.due = snapshot.time + self.viewer_period;
+        }
         output.end_tick(time);
         (self.last, self.begun) = (time, true);
         Ok(())

@@ -19,6 +19,7 @@ mod log_output;
 mod log_writer;
 mod marker_topic;
 mod message_sink;
+mod objects_topic;
 mod residual_topic;
 mod scene_shapes;
 mod self_collision_topic;

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::text::quantity::{json, non_negative, some_positive};
+use crate::text::quantity::{json, non_negative, positive, some_positive};
 
 /// The log.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -13,13 +13,18 @@ pub struct LogSpec {
     #[serde(deserialize_with = "non_negative")]
     #[schemars(with = "json::NonNegative")]
     pub rate: f64,
+    /// Messages for viewers per simulated second, Hz, at most `rate`: `/tf`, `/scene/contact` and `/joint_states`.
+    #[serde(deserialize_with = "positive")]
+    #[schemars(with = "json::Positive")]
+    pub viewer_rate: f64,
     /// Recorded topics; events are always recorded.
     pub topics: Vec<LogTopic>,
 }
 
 impl Default for LogSpec {
     fn default() -> Self {
-        LogSpec { rate: 200.0, topics: vec![LogTopic::State, LogTopic::Contact, LogTopic::Scene] }
+        let topics = vec![LogTopic::State, LogTopic::Contact, LogTopic::Scene];
+        LogSpec { rate: 200.0, viewer_rate: 50.0, topics }
     }
 }
 
