@@ -4,13 +4,14 @@ use super::support::root;
 use stiction::Scenario;
 
 /// Seed, samples and run of the study, duration in s, and what the fall meets.
-const FALLS: [(i64, i64, usize, f64, &str); 9] = [
+const FALLS: [(i64, i64, usize, f64, &str); 10] = [
     (2, 12, 20, 1.3, "the end of a tilted capsule slides over a border"),
     (2, 12, 15, 0.6, "an edge slides over two edges of a height field in one plane with it"),
     (2, 12, 24, 2.0, "after a jam, slow slip stops when patches follow the states"),
     (4, 56, 89, 0.8, "a peak between two faces of the head, static on both, while the head turns"),
     (4, 56, 42, 1.0, "a vertex on a border slides inwards"),
     (4, 56, 156, 1.0, "the lower end of an edge slides over a border"),
+    (4, 56, 78, 1.3, "a ridge comes to lie in a face of a hand: an impact acts along the normal of that face"),
     (5, 56, 83, 1.0, "an edge of the ramp comes to lie in a face of the torso"),
     (6, 56, 63, 2.0, "a corner of the stairs on the border of a face slides inwards"),
     (6, 56, 164, 4.0, "more than 5000 events in a second"),

@@ -97,6 +97,11 @@ impl Part {
         is_face.then(|| (n, point.position - n * point.gap))
     }
 
+    /// Whether a corner has a gap of at most `near`, m.
+    pub fn touches(&self, corner: usize, near: f64) -> bool {
+        self.geometry.points[corner].gap <= near
+    }
+
     /// Whether some corners are apart, and those with a gap of at most `near`, m, are one point up to `size`, m.
     pub fn touches_at_point(&self, near: f64, size: f64) -> bool {
         let mut touching = self.geometry.points.iter().filter(|point| point.gap <= near);

@@ -395,6 +395,7 @@ fn find_corners(
     // Even with the same corners: their functions of validity begin anew.
     let mechanisms = plant.objects.mechanisms(&plant.ws);
     let part = Part::new(candidate.pair.clone(), topology, &plant.bodies, mechanisms);
+    let part = if step.is_none() { on_touching_features(part, plant, reach) } else { part };
     let opened = if present.is_some() && step.is_none() { opened(&part, plant, reach) } else { None };
     Found::Changed(Box::new(opened.unwrap_or(part)))
 }
@@ -408,6 +409,28 @@ fn is_other_plane(plant: &Plant, part: &Part, owner: Owner) -> bool {
     let own = patches.find(|(_, patch)| patch.parts.iter().any(|other| other.pair.bodies == part.pair.bodies));
     owner != part.topology.owner
         && own.is_some_and(|(p, patch)| plant.states[first + p] == SoleState::FREE && tilted(patch))
+}
+
+/// The part on the plane of the corners that touch at an event: several features may have the same distance, and
+/// an impact acts along the normal of those that touch.
+fn on_touching_features(part: Part, plant: &Plant, reach: f64) -> Part {
+    let (a, b) = bodies(plant, &part.pair);
+    let mechanisms = plant.objects.mechanisms(&plant.ws);
+    let (pa, pb) = (a.placement(mechanisms), b.placement(mechanisms));
+    let touches = |c: usize| part.touches(c, NEAR);
+    // A flat patch keeps its plane.
+    if (0..part.topology.corners.len()).all(|c| part.touches(c, TILTED)) {
+        return part;
+    }
+    let Some(owner) = patches::reowner(&part.topology, touches, &a.shape, &pa, &b.shape, &pb) else { return part };
+    let mut topology = part.topology.clone();
+    let is_patch = owner != part.topology.owner
+        && patches::topology(&a.shape, &pa, &b.shape, &pb, reach, owner, None, &mut topology)
+        && topology.separates(patches::SEPARATES);
+    if !is_patch {
+        return part;
+    }
+    Part::new(part.pair.clone(), topology, &plant.bodies, mechanisms)
 }
 
 /// The part on the feature along which the bodies move apart, if they do so at a point where several features
