@@ -20,7 +20,9 @@ from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory as Protobuf
 from mcap_ros2.decoder import DecoderFactory as Ros2
 
-TICKED = ["/state", "/contact", "/residual", "/tf", "/scene/contact", "/joint_states"]
+TICKED = ["/state", "/contact", "/residual", "/objects"]
+# Topics at some of these instants.
+VIEWED = ["/tf", "/scene/contact", "/joint_states"]
 ONCE = ["/scene", "/robot_description"]
 # The quaternions are products and logarithms of unit quaternions in double precision.
 UNIT = 1e-9
@@ -232,7 +234,8 @@ def check_frames(topics, urdf, world, check):
             frame = found.get(f"sole/{sole.name}")
             check(frame is None or distance(frame[0], mean) < POSE, f"/tf: sole {sole.name} is not where its vertices are")
         if time in states:
-            roots = [t.child_frame_id for t in tf.transforms if t.parent_frame_id == world]
+            standing = [t.child_frame_id for t in tf.transforms if t.parent_frame_id == world]
+            roots = [name for name in standing if not name.startswith("object/")]
             check(len(roots) == 1, f"/tf: {len(roots)} frames stand in the world")
             position, rotation = found[roots[0]]
             state = states[time]
@@ -254,6 +257,9 @@ def check_log(path):
         print(f"  {topic:20} {len(messages):7} messages {span}")
     ticked = {t: len(topics[t]) for t in TICKED if t in topics}
     check(len(set(ticked.values())) <= 1, f"counts differ: {ticked}")
+    instants = {t for topic in TICKED if topic in topics for t, _ in topics[topic]}
+    for topic in VIEWED if instants else []:
+        check({t for t, _ in topics.get(topic, [])} <= instants, f"{topic}: has instants of its own")
     for topic in ONCE:
         check(len(topics.get(topic, [1])) == 1, f"{topic}: not written once")
     check(len(topics["/events"]) == len(topics["/log"]), "/events and /log differ in number")
