@@ -335,7 +335,8 @@ pub(crate) fn open_log_of(
         objects,
         terrain,
         topics,
-        viewer_rate: run.scenario.log.viewer_rate,
+        // A stream without a log is for viewers.
+        viewer_rate: if run.scenario.log.rate > 0.0 { run.scenario.log.viewer_rate } else { f64::INFINITY },
     };
     LogWriter::open(path, sink, model, &header)
 }

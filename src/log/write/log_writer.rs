@@ -168,7 +168,8 @@ impl Observer for LogWriter {
         let time = conversion::nanoseconds(snapshot.time);
         let mut record = |t: &mut Box<dyn Topic>| t.record(time, snapshot, output).map_err(ObserverError::new);
         self.topics.all.iter_mut().try_for_each(&mut record)?;
-        if snapshot.time >= self.due {
+        // A restored state may be earlier.
+        if snapshot.time >= self.due || snapshot.time < self.due - self.viewer_period {
             self.topics.viewers.iter_mut().try_for_each(&mut record)?;
             self.due = snapshot.time + self.viewer_period;
         }
