@@ -65,8 +65,9 @@ pub(super) fn round_shape(model: &Model, link: LinkId) -> Option<ConvexBody> {
         // The hulls of boxes are exact too.
         Geometry::Box(_) | Geometry::Mesh(..) => return None,
     };
+    let has_volume = body.radius > 0.0 && body.inner + body.edge_rounding() > 0.0;
     let has_sole = model.soles.iter().any(|sole| sole.link == link);
-    (shape.geometry.is_round() && !has_sole).then(|| body.placed(&shape.pose))
+    (has_volume && !has_sole).then(|| body.placed(&shape.pose))
 }
 
 /// A convex polygon, a line or a point.

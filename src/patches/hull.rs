@@ -199,8 +199,8 @@ fn convex_hull(points: &[Vector3<f64>]) -> Option<Vec<[u32; 3]>> {
         while heights[best] > above {
             let seen = connected(&triangles, best, |t| heights[t] > above);
             if let Some(horizon) = horizon(&triangles, &seen) {
-                let mut t = 0;
-                triangles.retain(|_| (!seen[t], t += 1).0);
+                let mut seen = seen.into_iter();
+                triangles.retain(|_| seen.next() == Some(false));
                 triangles.extend(horizon.iter().map(|s| triangle([s[0], s[1], k])));
                 break;
             }

@@ -164,17 +164,6 @@ pub enum Geometry {
     Mesh(Vec<Point3<f64>>, Vec<[u32; 3]>),
 }
 
-impl Geometry {
-    /// Whether it is a ball, capsule or cylinder with volume.
-    pub fn is_round(&self) -> bool {
-        match *self {
-            Geometry::Sphere(radius) | Geometry::Capsule(radius, _) => radius > 0.0,
-            Geometry::Cylinder(radius, length) => radius > 0.0 && length > 0.0,
-            Geometry::Box(_) | Geometry::Mesh(..) => false,
-        }
-    }
-}
-
 /// A URDF link that a fixed joint welded to this one.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Merged {

@@ -28,26 +28,26 @@ struct Topics {
 
 /// Opens the topics of the selected groups.
 fn open_topics(output: &mut LogOutput, model: &Model, header: &LogHeader) -> Result<Topics, RecordError> {
-    let Topics { all: mut topics, mut viewers } = Topics::default();
+    let mut topics = Topics::default();
     if header.topics.state {
-        topics.push(Box::new(StateTopic::open(output, model)?));
-        viewers.push(Box::new(JointStateTopic::open(output, model, header)?));
-        topics.push(Box::new(EstimateTopic::new(model)));
-        topics.push(Box::new(SelfCollisionTopic::new(model)));
+        topics.all.push(Box::new(StateTopic::open(output, model)?));
+        topics.viewers.push(Box::new(JointStateTopic::open(output, model, header)?));
+        topics.all.push(Box::new(EstimateTopic::new(model)));
+        topics.all.push(Box::new(SelfCollisionTopic::new(model)));
     }
     if header.topics.contact {
-        topics.push(Box::new(ContactTopic::open(output, model)?));
-        topics.push(Box::new(ResidualTopic::open(output)?));
+        topics.all.push(Box::new(ContactTopic::open(output, model)?));
+        topics.all.push(Box::new(ResidualTopic::open(output)?));
     }
     if !header.objects.is_empty() && (header.topics.state || header.topics.contact) {
-        topics.push(Box::new(ObjectsTopic::open(output, header.objects)?));
+        topics.all.push(Box::new(ObjectsTopic::open(output, header.objects)?));
     }
     if header.topics.scene {
-        viewers.push(Box::new(FramesTopic::open(output, model, header)?));
+        topics.viewers.push(Box::new(FramesTopic::open(output, model, header)?));
         scene_shapes::write(output, model, header)?;
-        viewers.push(Box::new(MarkerTopic::open(output, model)?));
+        topics.viewers.push(Box::new(MarkerTopic::open(output, model)?));
     }
-    Ok(Topics { all: topics, viewers })
+    Ok(topics)
 }
 
 /// Writes the log of one run. If it is dropped without [`LogWriter::finish`] (a run that panicked),

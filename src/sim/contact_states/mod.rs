@@ -14,6 +14,7 @@ mod imposed;
 pub mod link_contacts;
 mod painleve;
 pub mod pair_contacts;
+mod patch_planes;
 mod polygon_changes;
 mod problem_report;
 mod rest_detection;

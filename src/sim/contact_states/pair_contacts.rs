@@ -8,29 +8,18 @@
 //! `g_0 - way_A - way_B`, with the bounds of [`Placement::way_from`]. While this is positive it takes the
 //! place of the distance.
 
+use super::patch_planes::{self, NEAR, ahead, bodies};
 use super::terrain_pairs::TerrainPairs;
 use crate::contact::model::state::{Pattern, SoleState};
-use crate::patches::{self, Face, Owner, Placement, Separation, Topology};
+use crate::patches::{self, Owner, Placement, Separation, Topology};
 use crate::sim::bodies::{Body, Pair, PairPatch, Part};
 use crate::sim::plant::Plant;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use std::collections::HashMap;
 
 /// Corners are kept up to this multiple of the distance at which they appear, so that they do not come and
 /// go.
 const KEPT: f64 = 2.0;
-
-/// Gap up to which corners of a patch with another plane count as near, m.
-const NEAR: f64 = 1e-9;
-
-/// Distance, m, up to which corners near a border are one point.
-const POINT: f64 = 1e-6;
-
-/// Gap of a corner, m, of a patch that touches at others and is tilted.
-const TILTED: f64 = 1e-6;
-
-/// Time, s, after which bodies that touch are apart if they move apart.
-const SOON: f64 = 1e-6;
 
 /// Validity, m, below which corners are computed again: half of that of new ones. Functions that reach zero
 /// together in an event are then all renewed.
@@ -244,24 +233,13 @@ impl PairContacts {
     /// The patches whose states hold only a part of their vertices, with the plane on which these are: it
     /// changes nothing at the instant, and the motion that follows keeps to it. `None` if no plane changes.
     pub fn follow_states(&self, plant: &Plant) -> Option<Vec<PairPatch>> {
-        let mechanisms = plant.objects.mechanisms(&plant.ws);
         with_topologies(plant, |s, patch, part| {
             if plant.states[s].pattern == Pattern::Face {
                 return None;
             }
             let clamped = |c: usize| is_clamped(patch, plant.states[s], part.position(c));
-            let (a, b) = bodies(plant, &part.pair);
-            let (pa, pb) = (a.placement(mechanisms), b.placement(mechanisms));
-            let owner = patches::reowner(&part.topology, clamped, &a.shape, &pa, &b.shape, &pb)?;
-            if owner == part.topology.owner {
-                return None;
-            }
-            // The side of crossing edges is that of the present normal.
-            let mut topology = part.topology.clone();
             let near = (0..patch.len()).map(|i| patch.point(i).gap).fold(NEAR, f64::max);
-            let is_patch = patches::topology(&a.shape, &pa, &b.shape, &pb, near, owner, None, &mut topology);
-            // Where a vertex and a crossing are one point, the state may hold either.
-            (is_patch && topology.separates(patches::SEPARATES)).then_some(topology)
+            patch_planes::of_corners(part, plant, clamped, near)
         })
     }
 
@@ -324,10 +302,6 @@ fn is_clamped(patch: &PairPatch, state: SoleState, corner: &Vector3<f64>) -> boo
     }
 }
 
-fn bodies<'a>(plant: &'a Plant, pair: &Pair) -> (&'a Body, &'a Body) {
-    (&plant.bodies[pair.bodies.0], &plant.bodies[pair.bodies.1])
-}
-
 /// The present corners of a pair.
 fn present_part<'a>(plant: &'a Plant, pair: &Pair) -> Option<&'a Part> {
     plant.pair_patches().flat_map(|patch| &patch.parts).find(|part| part.pair.bodies == pair.bodies)
@@ -361,13 +335,15 @@ fn find_corners(
         && [(&pa, &pb), (&after_a, &after_b)]
             .into_iter()
             .all(|(pa, pb)| patches::validity(&part.topology, &a.shape, pa, &b.shape, pb, 1.0) >= VALID)
-        && !(step.is_none() && distance <= NEAR && owner.is_some_and(|owner| is_other_plane(plant, part, owner)))
+        && !(step.is_none()
+            && distance <= NEAR
+            && owner.is_some_and(|owner| patch_planes::is_other_plane(plant, part, owner)))
     {
         return Found::Present;
     }
     let after = |_| patches::separation(&a.shape, &after_a, &b.shape, &after_b, None, f64::INFINITY).owner;
     // At a seam a wall of the next piece is as near as its upper side.
-    let seam = coplanar_face(plant, &candidate.pair, b, &pb);
+    let seam = patch_planes::coplanar_face(plant, &candidate.pair, b, &pb);
     let owners = if seam.is_some() { [seam, None] } else { [step.and_then(after), owner] };
     if owners == [None; 2] {
         return Found::Apart;
@@ -395,85 +371,9 @@ fn find_corners(
     // Even with the same corners: their functions of validity begin anew.
     let mechanisms = plant.objects.mechanisms(&plant.ws);
     let part = Part::new(candidate.pair.clone(), topology, &plant.bodies, mechanisms);
-    let part = if step.is_none() { on_touching_features(part, plant, reach) } else { part };
-    let opened = if present.is_some() && step.is_none() { opened(&part, plant, reach) } else { None };
+    let part = if step.is_none() { patch_planes::on_touching_features(part, plant, reach) } else { part };
+    let opened = if present.is_some() && step.is_none() { patch_planes::opened(&part, plant, reach) } else { None };
     Found::Changed(Box::new(opened.unwrap_or(part)))
-}
-
-/// Whether a part whose state is free is about to touch along another feature than that of its plane, to which it is
-/// tilted: the motion of its corners is then not that of the gaps.
-fn is_other_plane(plant: &Plant, part: &Part, owner: Owner) -> bool {
-    let tilted = |patch: &PairPatch| (0..patch.len()).any(|i| patch.point(i).gap > TILTED);
-    let first = plant.polygons.len() - plant.pair_patches().count();
-    let mut patches = plant.pair_patches().enumerate();
-    let own = patches.find(|(_, patch)| patch.parts.iter().any(|other| other.pair.bodies == part.pair.bodies));
-    owner != part.topology.owner
-        && own.is_some_and(|(p, patch)| plant.states[first + p] == SoleState::FREE && tilted(patch))
-}
-
-/// The part on the plane of the corners that touch at an event: several features may have the same distance, and
-/// an impact acts along the normal of those that touch.
-fn on_touching_features(part: Part, plant: &Plant, reach: f64) -> Part {
-    let (a, b) = bodies(plant, &part.pair);
-    let mechanisms = plant.objects.mechanisms(&plant.ws);
-    let (pa, pb) = (a.placement(mechanisms), b.placement(mechanisms));
-    let touches = |c: usize| part.touches(c, NEAR);
-    // A flat patch keeps its plane.
-    if (0..part.topology.corners.len()).all(|c| part.touches(c, TILTED)) {
-        return part;
-    }
-    let Some(owner) = patches::reowner(&part.topology, touches, &a.shape, &pa, &b.shape, &pb) else { return part };
-    let mut topology = part.topology.clone();
-    let is_patch = owner != part.topology.owner
-        && patches::topology(&a.shape, &pa, &b.shape, &pb, reach, owner, None, &mut topology)
-        && topology.separates(patches::SEPARATES);
-    if !is_patch {
-        return part;
-    }
-    Part::new(part.pair.clone(), topology, &plant.bodies, mechanisms)
-}
-
-/// The part on the feature along which the bodies move apart, if they do so at a point where several features
-/// meet. A vertex that slides over a border touches the face and the border: the distance is then that from the
-/// plane which it leaves faster.
-fn opened(part: &Part, plant: &Plant, reach: f64) -> Option<Part> {
-    if !part.touches_at_point(NEAR, POINT) {
-        return None;
-    }
-    let (a, b) = bodies(plant, &part.pair);
-    let mechanisms = plant.objects.mechanisms(&plant.ws);
-    let (pa, pb) = (a.placement(mechanisms), b.placement(mechanisms));
-    let (after_a, after_b) = (ahead(&pa, SOON), ahead(&pb, SOON));
-    let after = patches::separation(&a.shape, &after_a, &b.shape, &after_b, None, f64::INFINITY);
-    let owner = after.owner.filter(|owner| *owner != part.topology.owner)?;
-    if part.opening_speed(NEAR) > plant.rest || after.distance <= NEAR + plant.rest * SOON {
-        return None;
-    }
-    let mut topology = part.topology.clone();
-    if !patches::topology(&a.shape, &pa, &b.shape, &pb, reach, owner, None, &mut topology) {
-        return None;
-    }
-    let mut other = Part::new(part.pair.clone(), topology, &plant.bodies, mechanisms);
-    other.opens = true;
-    Some(other).filter(|other| other.opening_speed(NEAR) > plant.rest)
-}
-
-/// The face of body B that lies in the plane of a present patch of body A with another piece of the world, if one
-/// does.
-fn coplanar_face(plant: &Plant, pair: &Pair, b: &Body, pb: &Placement) -> Option<Owner> {
-    if pair.links.1.is_some() {
-        return None;
-    }
-    let parts = plant.pair_patches().flat_map(|patch| &patch.parts);
-    let is_neighbour = |part: &&Part| part.pair.bodies.0 == pair.bodies.0 && part.pair.bodies.1 != pair.bodies.1;
-    let mut planes = parts.filter(is_neighbour).filter_map(Part::world_plane);
-    planes.find_map(|(n, p)| {
-        let is_coplanar = |face: &Face| {
-            let m = pb.rotation * face.normal;
-            face.touchable && (m - n).norm() < NEAR && (m.dot(&(p - pb.position)) - face.offset).abs() < NEAR
-        };
-        b.shape.faces.iter().position(is_coplanar).map(|k| Owner::FaceOfB(k as u16))
-    })
 }
 
 /// Distance of the spheres around two bodies, m; to a half space that of the sphere around the other.
@@ -486,16 +386,6 @@ fn spheres_apart((a, pa): (&Body, &Placement), (b, pb): (&Body, &Placement)) -> 
         return above((a, pa), (b, pb)).max(above((b, pb), (a, pa)));
     }
     (centre(a, pa) - centre(b, pb)).norm() - a.shape.radius - b.shape.radius
-}
-
-/// The placement after a time `dt`, s, at its present velocity.
-fn ahead(placement: &Placement, dt: f64) -> Placement {
-    let turn = UnitQuaternion::from_scaled_axis(placement.omega * dt).to_rotation_matrix();
-    Placement {
-        rotation: turn.matrix() * placement.rotation,
-        position: placement.position + placement.velocity * dt,
-        ..*placement
-    }
 }
 
 fn centre(body: &Body, placement: &Placement) -> Vector3<f64> {

@@ -60,9 +60,9 @@ fn is_foot(model: &Model, link: LinkId, shape: &Shape) -> bool {
 }
 
 impl LinkHull {
-    /// The hulls of all links with collision shapes. Points near a sole of their link are left out, and balls with a
-    /// vertex of a sole on their surface: the sole stands for them. `resolution` is the number of corners to a circle; links for which `leave` holds
-    /// have none, and so has the root of a fixed base, which cannot move.
+    /// The hulls of all links with collision shapes. Points near a sole of their link are left out, and balls
+    /// with a vertex of a sole on their surface: the sole stands for them. `resolution` is the number of corners
+    /// to a circle. Links for which `leave` holds have no hull, nor has the root of a fixed base, which cannot move.
     pub fn of_model(model: &Model, resolution: usize, leave: impl Fn(LinkId) -> bool) -> Vec<Self> {
         let moving = usize::from(model.base == Base::Fixed)..model.links.len();
         let links = moving.map(LinkId).filter(|link| !leave(*link));

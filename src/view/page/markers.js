@@ -134,7 +134,7 @@ class Markers {
       while (balls.length < points.length) {
         const ball = new THREE.Mesh(new THREE.SphereGeometry(0.5, 16, 12), lit(0));
         ball.scale.setScalar(this.size);
-        ball.material.depthTest = fill.material.depthTest;
+        ball.material.depthTest = !this.isThrough;
         ball.renderOrder = 10;
         balls.push(ball);
         group.add(ball);
