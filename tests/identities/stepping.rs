@@ -155,6 +155,37 @@ fn objects_allocate_nothing() {
     }
 }
 
+/// More polygons than are stored inline: twenty boxes on each other at rest, and twenty that slide side by side.
+#[test]
+fn twenty_boxes_allocate_nothing() {
+    let stacked = |i: usize| format!("position = [0, 0, {}]", 0.05 + 0.1 * i as f64);
+    let sliding = |i: usize| format!("position = [0, {i}, 0.05], linear_velocity = [9, {}, 0]", 0.1 * i as f64);
+    let integrators =
+        ["{ method = \"dopri5\" }", "{ method = \"rk4\", step = 1e-3 }", "{ method = \"semi-implicit\", step = 1e-3 }"];
+    for (integrator, is_stack) in integrators.iter().flat_map(|i| [(i, true), (i, false)]) {
+        let boxes = (0..20).map(|i| {
+            let motion = if is_stack { stacked(i) } else { sliding(i) };
+            format!(
+                "[[object]]\ntype = \"box\"\nsize = [0.2, 0.2, 0.1]\nmass = 1\n{}\n",
+                motion.replace(", linear", "\nlinear")
+            )
+        });
+        let boxes = boxes.collect::<String>();
+        let mut sim = simulation(&format!(
+            "duration = 10.0
+            robot = {{ model = \"robots/ground/ground.urdf\" }}
+            integrator = {integrator}
+            log.rate = 0
+            floor.friction = 0.2\n{boxes}"
+        ));
+        sim.begin(&mut NullObserver).expect("it begins");
+        (0..10).for_each(|_| sim.step(&mut NullObserver).expect("it steps"));
+        let allocations = count(|| (0..100).for_each(|_| sim.step(&mut NullObserver).expect("it steps")));
+        assert_eq!(sim.plant().polygons.len(), 20);
+        assert_eq!(allocations, 0, "{integrator}, stacked: {is_stack}");
+    }
+}
+
 /// A body slides and stops: the robot's block on the floor, a box on a box, and a box on terrain. Where the
 /// corners of contacts stay the same, an event between bodies allocates what one of a sole does: its texts.
 #[test]

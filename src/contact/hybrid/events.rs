@@ -18,7 +18,7 @@ use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::{Problem, TOUCHING, Tolerances};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, SoleState, States};
-use crate::contact::search::judge::{CLEAR, Margin, SUSPECT_FRICTION, SUSPECT_NORMAL, margin};
+use crate::contact::search::judge::{CLEAR, SUSPECT_FRICTION, SUSPECT_NORMAL, margin};
 use nalgebra::Vector2;
 
 /// Inputs of event functions: the contact problem, the current states and their solution.
@@ -65,8 +65,8 @@ pub(crate) trait ContactGaps {
     fn gap(&self, i: usize) -> f64;
 }
 
-/// Greatest number of event functions at once.
-pub(crate) const MAX_FUNCTIONS: usize = 512;
+/// Number of event functions for which memory is reserved.
+pub(crate) const USUAL_FUNCTIONS: usize = 512;
 
 #[derive(Clone, Copy, Debug)]
 enum Function {
@@ -92,9 +92,12 @@ pub(crate) struct EventFunctions {
 }
 
 impl EventFunctions {
-    /// Reserves memory for the functions of any step.
+    /// Reserves memory for the functions of a usual step.
     pub fn new() -> Self {
-        EventFunctions { functions: Vec::with_capacity(MAX_FUNCTIONS), overlooked: Vec::with_capacity(MAX_FUNCTIONS) }
+        EventFunctions {
+            functions: Vec::with_capacity(USUAL_FUNCTIONS),
+            overlooked: Vec::with_capacity(USUAL_FUNCTIONS),
+        }
     }
 
     /// Selects the functions of a step from the states and vertices at its start.
@@ -166,8 +169,12 @@ impl EventFunctions {
     /// Values at the present evaluation, into a slice of length [`len`](Self::len).
     pub fn fill(&self, now: &ContactInForce, out: &mut [f64]) {
         let (p, tol) = (now.problem, now.tolerances);
-        let mut margins = PerSole::<Option<Margin>>::default();
-        let mut margin_of = |s: usize| *margins[s].get_or_insert_with(|| margin(p, now.states, s, now.solution));
+        // Both functions of a margin follow each other.
+        let mut last = None;
+        let mut margin_of = |s: usize| match last {
+            Some((sole, margin)) if sole == s => margin,
+            _ => last.insert((s, margin(p, now.states, s, now.solution))).1,
+        };
         for (item, g) in self.functions.iter().zip(out.iter_mut()) {
             *g = match *item {
                 Function::Height(s, i) => p.soles[s].vertices[i].height,

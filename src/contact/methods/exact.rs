@@ -52,7 +52,7 @@ impl Exact {
                 _ => false,
             };
             let fresh = first_mode(p, s, before[s].pattern);
-            start[s] = if keeps_turning && fresh.is_dynamic() { before[s] } else { fresh };
+            start.set(s, if keeps_turning && fresh.is_dynamic() { before[s] } else { fresh });
         }
         start
     }
@@ -99,9 +99,8 @@ impl ContactSolver for Exact {
         // Start with all vertices that touch and do not already leave; in a fixed step, first with the
         // previous states and with soles that slide on. Where static friction is greater than
         // kinetic, rest comes first.
-        let mut start = States::default();
-        let mut continued = States::default();
-        let mut previous_states = States::default();
+        let mut start = input.rules.previous.clone();
+        let (mut continued, mut previous_states) = (start.clone(), start.clone());
         let mut rest_first = false;
         for (s, sole) in p.soles.iter().enumerate() {
             let approaches = |i: usize| {
@@ -111,13 +110,14 @@ impl ContactSolver for Exact {
             let k = sole.vertices.len();
             let previous = input.rules.previous[s];
             let pattern = Pattern::covering(k, |i| approaches(i) || (previous.clamps(i, k) && sole.vertices[i].near));
-            start[s] = SoleState::fixed(pattern);
+            let fixed = SoleState::fixed(pattern);
+            start.set(s, fixed);
             let slides_on = !input.event && previous.is_dynamic() && pattern != Pattern::Free;
             let mode = if previous.pattern == pattern { previous.mode } else { Mode::Sliding };
-            continued[s] = if slides_on { SoleState { pattern, mode } } else { start[s] };
+            continued.set(s, if slides_on { SoleState { pattern, mode } } else { fixed });
             let reaches = (0..k).all(|i| !previous.clamps(i, k) || sole.vertices[i].near);
             let remains = !input.event && previous != SoleState::FREE && reaches;
-            previous_states[s] = if remains { previous } else { continued[s] };
+            previous_states.set(s, if remains { previous } else { continued[s] });
             let clamped = sole.vertices.iter().enumerate().filter(|(i, _)| continued[s].clamps(*i, k));
             rest_first |= slides_on && clamped.into_iter().any(|(_, v)| v.mu_s > v.mu_k);
         }

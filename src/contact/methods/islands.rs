@@ -37,6 +37,8 @@ struct Island {
     soles: Vec<usize>,
     problem: Problem,
     solution: Solution,
+    /// Rules of its last selection.
+    rules: Rules,
     solver: Box<dyn ContactSolver>,
 }
 
@@ -80,7 +82,8 @@ impl Islands {
                 let counts: Vec<usize> = soles.iter().map(|&s| p.soles[s].vertices.len()).collect();
                 let problem = Problem::new(&counts);
                 let (solution, solver) = (Solution::new(&problem), (self.make)(&problem));
-                self.parts.push(Island { soles, problem, solution, solver });
+                let rules = Rules::new(Default::default(), States::default());
+                self.parts.push(Island { soles, problem, solution, rules, solver });
             }
         }
     }
@@ -97,13 +100,13 @@ impl Islands {
         if self.parts.is_empty() {
             return solve(&mut *self.whole, p, input, out);
         }
-        let mut all = Selection::unchecked(States::default());
+        let mut all = Selection::unchecked(input.rules.previous.clone());
         for island in &mut self.parts {
             island.gather(p, out);
-            let rules = island.rules(input.rules);
+            island.follow(input.rules);
             let soles = &island.soles;
             let allowed = |s: usize, state: SoleState| (input.allowed)(soles[s], state);
-            let of_island = SelectionInput { rules: &rules, allowed: &allowed, ..*input };
+            let of_island = SelectionInput { rules: &island.rules, allowed: &allowed, ..*input };
             let found = solve(&mut *island.solver, &mut island.problem, &of_island, &mut island.solution);
             add(&mut all, &found, soles);
             island.scatter(out);
@@ -132,7 +135,7 @@ impl Island {
             self.solution.motion[6 * i..6 * i + 6].copy_from_slice(&out.motion[6 * s..6 * s + 6]);
             self.solution.normal[i].copy_from_slice(&out.normal[s]);
             self.solution.tangent[i].copy_from_slice(&out.tangent[s]);
-            self.solution.inside[i] = out.inside[s];
+            self.solution.inside.set(i, out.inside[s]);
         }
     }
 
@@ -143,7 +146,7 @@ impl Island {
             out.motion[6 * s..6 * s + 6].copy_from_slice(&self.solution.motion[6 * i..6 * i + 6]);
             out.normal[s].copy_from_slice(&self.solution.normal[i]);
             out.tangent[s].copy_from_slice(&self.solution.tangent[i]);
-            out.inside[s] = self.solution.inside[i];
+            out.inside.set(s, self.solution.inside[i]);
         }
     }
 
@@ -153,10 +156,15 @@ impl Island {
         own
     }
 
-    fn rules(&self, rules: &Rules) -> Rules {
-        let mut own = Rules::new(rules.tolerances, self.states(&rules.previous));
-        self.soles.iter().enumerate().for_each(|(i, &s)| own.suspect[i] = rules.suspect[s]);
-        Rules { hops: rules.hops, rounding: rules.rounding, exhaustive: rules.exhaustive, ..own }
+    /// Takes over the rules of the whole problem.
+    fn follow(&mut self, rules: &Rules) {
+        let own = &mut self.rules;
+        (own.tolerances, own.hops, own.rounding, own.exhaustive) =
+            (rules.tolerances, rules.hops, rules.rounding, rules.exhaustive);
+        for (i, &s) in self.soles.iter().enumerate() {
+            own.previous.set(i, rules.previous[s]);
+            own.suspect.set(i, rules.suspect[s]);
+        }
     }
 }
 
@@ -187,8 +195,8 @@ fn add(all: &mut Selection, part: &Selection, soles: &[usize]) {
     rank.iter_mut().zip(part.assessment.rank).for_each(|(sum, x)| *sum += x);
     *action += part.assessment.action;
     for (i, &s) in soles.iter().enumerate() {
-        all.states[s] = part.states[i];
-        faults[s] = part.assessment.faults[i];
+        all.states.set(s, part.states[i]);
+        faults.set(s, part.assessment.faults[i]);
     }
 }
 

@@ -4,6 +4,7 @@ use smallvec::SmallVec;
 use std::cmp::Ordering;
 use std::fmt;
 use std::ops::{Index, IndexMut};
+use std::sync::Arc;
 
 /// Number of polygons up to which values are stored without an allocation.
 pub const INLINE: usize = 16;
@@ -13,25 +14,47 @@ pub type SoleIndices = SmallVec<[usize; INLINE]>;
 
 /// A value of each polygon: the values that were set, by index, and one value for all others.
 pub struct PerSole<T> {
-    set: SmallVec<[T; INLINE]>,
+    set: Values<T>,
     others: T,
+}
+
+/// Values by index. Copies of more than [`INLINE`] share them until one is changed, so that copying allocates
+/// nothing.
+enum Values<T> {
+    Inline(SmallVec<[T; INLINE]>),
+    Shared(Arc<Vec<T>>),
 }
 
 impl<T> PerSole<T> {
     /// The same value for all polygons.
     pub fn filled(value: T) -> Self {
-        PerSole { set: SmallVec::new(), others: value }
+        PerSole { set: Values::Inline(SmallVec::new()), others: value }
     }
 
     /// Gives all polygons the same value.
     pub fn fill(&mut self, value: T) {
-        self.set.clear();
-        self.others = value;
+        *self = PerSole::filled(value);
+    }
+
+    fn values(&self) -> &[T] {
+        match &self.set {
+            Values::Inline(values) => values,
+            Values::Shared(values) => values,
+        }
     }
 
     /// Index from which on all values are equal.
     fn end(&self, other: &Self) -> usize {
-        self.set.len().max(other.set.len())
+        self.values().len().max(other.values().len())
+    }
+}
+
+impl<T: Copy + PartialEq> PerSole<T> {
+    /// Sets the value of a polygon. Allocates nothing if it has that value.
+    pub fn set(&mut self, sole: usize, value: T) {
+        if self[sole] != value {
+            self[sole] = value;
+        }
     }
 }
 
@@ -39,28 +62,63 @@ impl<T> Index<usize> for PerSole<T> {
     type Output = T;
 
     fn index(&self, sole: usize) -> &T {
-        self.set.get(sole).unwrap_or(&self.others)
+        self.values().get(sole).unwrap_or(&self.others)
     }
 }
 
 impl<T: Copy> IndexMut<usize> for PerSole<T> {
     fn index_mut(&mut self, sole: usize) -> &mut T {
-        while self.set.len() <= sole {
-            self.set.push(self.others);
+        if let Values::Inline(values) = &self.set
+            && sole >= INLINE
+        {
+            self.set = Values::Shared(Arc::new(values.to_vec()));
         }
-        &mut self.set[sole]
+        match &mut self.set {
+            Values::Inline(values) => {
+                while values.len() <= sole {
+                    values.push(self.others);
+                }
+                &mut values[sole]
+            }
+            Values::Shared(values) => {
+                let values = Arc::make_mut(values);
+                if values.len() <= sole {
+                    values.resize(sole + 1, self.others);
+                }
+                &mut values[sole]
+            }
+        }
     }
 }
 
 impl<T: Copy> Clone for PerSole<T> {
     fn clone(&self) -> Self {
-        PerSole { set: SmallVec::from_slice(&self.set), others: self.others }
+        let set = match &self.set {
+            Values::Inline(values) => Values::Inline(SmallVec::from_slice(values)),
+            Values::Shared(values) => Values::Shared(Arc::clone(values)),
+        };
+        PerSole { set, others: self.others }
     }
 
     fn clone_from(&mut self, from: &Self) {
-        self.set.clear();
-        self.set.extend_from_slice(&from.set);
         self.others = from.others;
+        match &mut self.set {
+            Values::Inline(values) if from.values().len() <= INLINE => {
+                values.clear();
+                values.extend_from_slice(from.values());
+                return;
+            }
+            // What is not shared is likely to be changed again.
+            Values::Shared(values) => {
+                if let Some(values) = Arc::get_mut(values) {
+                    values.clear();
+                    values.extend_from_slice(from.values());
+                    return;
+                }
+            }
+            Values::Inline(_) => {}
+        }
+        *self = from.clone();
     }
 }
 
@@ -93,7 +151,7 @@ impl<T: Ord> Ord for PerSole<T> {
 
 impl<T: fmt::Debug> fmt::Debug for PerSole<T> {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.debug_list().entries(&self.set).finish()
+        f.debug_list().entries(self.values()).finish()
     }
 }
 
@@ -123,6 +181,18 @@ mod tests {
         a[2] = 1;
         assert!(a > b, "the first polygon decides");
         assert_ne!(PerSole::filled(1), PerSole::filled(2));
+    }
+
+    #[test]
+    fn a_copy_keeps_its_values_when_the_original_changes() {
+        for n in [3, INLINE + 1] {
+            let mut values = PerSole::default();
+            (0..n).for_each(|s| values[s] = s);
+            let copy = values.clone();
+            values.set(1, 7);
+            values.set(n - 1, n - 1);
+            assert_eq!((copy[1], values[1], copy[2], values[n - 1]), (1, 7, 2, n - 1));
+        }
     }
 
     #[test]

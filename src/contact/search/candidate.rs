@@ -424,7 +424,8 @@ pub fn share_static(p: &Problem, states: &States, out: &mut Solution) {
                 }
             }
             Pattern::Face => {
-                out.inside[s] = pressure::share(sole, w[2], [w[3], w[4]], &mut out.normal[s]);
+                let inside = pressure::share(sole, w[2], [w[3], w[4]], &mut out.normal[s]);
+                out.inside.set(s, inside);
                 share_tangent(sole, t, w[5], &out.normal[s], &mut out.tangent[s]);
             }
         }

@@ -152,7 +152,7 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
     let speed = greatest_speed(p);
     for (s, sole) in p.soles.iter().enumerate() {
         let state = states[s];
-        let faults = &mut assessment.faults[s];
+        let mut faults = Faults::default();
         let drive = p.b[6 * s..6 * s + 3].iter().map(|b| b.abs()).fold(0.0, f64::max);
         let k = sole.vertices.len();
         for (i, v) in sole.vertices.iter().enumerate() {
@@ -187,6 +187,7 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
         }
         assessment.rank[0] += faults.resting.count_ones() as usize;
         if state == SoleState::FREE {
+            assessment.faults.set(s, faults);
             continue;
         }
         let normal = normal_margin(p, state, s, solution);
@@ -212,6 +213,7 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
             assessment.levels[2] += 1.0 + (-friction).clamp(0.0, 1e6) + f64::from(!legal);
             faults.friction = true;
         }
+        assessment.faults.set(s, faults);
         assessment.rank[1] += state.normal_rows();
         assessment.rank[2] += usize::from(state.is_dynamic());
         assessment.rank[3] += state.rows();

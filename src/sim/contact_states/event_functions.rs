@@ -69,7 +69,7 @@ fn with_contact<T>(sim: &RunState, f: impl FnOnce(&ContactInForce) -> T) -> T {
 pub struct StepEventFunctions(EventFunctions);
 
 impl StepEventFunctions {
-    /// Reserves memory for the functions of any step.
+    /// Reserves memory for the functions of a usual step.
     pub fn new() -> Self {
         StepEventFunctions(EventFunctions::new())
     }

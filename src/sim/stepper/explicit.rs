@@ -9,7 +9,7 @@ use super::Discontinuity;
 use super::method_pair::MethodPair;
 use super::sliding_mode::SlidingMode;
 use super::step_size::StepSize;
-use crate::contact::hybrid::events::MAX_FUNCTIONS;
+use crate::contact::hybrid::events::USUAL_FUNCTIONS;
 use crate::contact::model::solution::Solution;
 use crate::contact::search::judge::CLEAR;
 use crate::integrate::Tableau;
@@ -85,10 +85,10 @@ impl ExplicitStepper {
             functions: StepEventFunctions::new(),
             directions: Vec::new(),
             held: solution.clone(),
-            start: Vec::with_capacity(MAX_FUNCTIONS),
-            left: Vec::with_capacity(MAX_FUNCTIONS),
-            right: Vec::with_capacity(MAX_FUNCTIONS),
-            scratch: Vec::with_capacity(MAX_FUNCTIONS),
+            start: Vec::with_capacity(USUAL_FUNCTIONS),
+            left: Vec::with_capacity(USUAL_FUNCTIONS),
+            right: Vec::with_capacity(USUAL_FUNCTIONS),
+            scratch: Vec::with_capacity(USUAL_FUNCTIONS),
         }
     }
 
