@@ -40,7 +40,7 @@ use crate::scenario::{
 };
 use crate::sim::Floor;
 use crate::sim::floor::{LinkHull, Patch};
-use crate::sim::setup::{ContactSetup, Forced, IntegratorSetup, Setup};
+use crate::sim::setup::{ContactSetup, Forced, ImplicitDrives, IntegratorSetup, Setup};
 use nalgebra::{Rotation3, Vector3};
 use std::sync::Arc;
 
@@ -203,15 +203,18 @@ fn patches(floor: &FloorSpec) -> Vec<Patch> {
 }
 
 fn integrator(spec: &IntegratorSpec) -> IntegratorSetup {
-    let controlled = |pair| IntegratorSetup::Controlled {
+    let controlled = |pair, implicit| IntegratorSetup::Controlled {
         pair,
+        implicit,
         relative: spec.relative_tolerance,
         absolute: spec.absolute_tolerance,
         max_step: spec.max_step,
     };
     match spec.method {
-        IntegratorMethod::Dopri5 => controlled(&DOPRI5),
-        IntegratorMethod::Bs23 => controlled(&BS23),
+        IntegratorMethod::Dopri5 => controlled(&DOPRI5, ImplicitDrives::Never),
+        IntegratorMethod::Rosenbrock => controlled(&DOPRI5, ImplicitDrives::Always),
+        IntegratorMethod::Auto => controlled(&DOPRI5, ImplicitDrives::Auto),
+        IntegratorMethod::Bs23 => controlled(&BS23, ImplicitDrives::Never),
         IntegratorMethod::Rk4 => IntegratorSetup::Stepped { method: &RK4, step: spec.step },
         IntegratorMethod::SemiImplicit => IntegratorSetup::SemiImplicit { step: spec.step },
     }
@@ -224,7 +227,9 @@ fn integrator(spec: &IntegratorSpec) -> IntegratorSetup {
 fn rest_speed(run: &Run) -> f64 {
     let spec = &run.scenario.integrator;
     let unresolved = match spec.method {
-        IntegratorMethod::Dopri5 | IntegratorMethod::Bs23 => 10.0 * spec.absolute_tolerance,
+        IntegratorMethod::Dopri5 | IntegratorMethod::Rosenbrock | IntegratorMethod::Auto | IntegratorMethod::Bs23 => {
+            10.0 * spec.absolute_tolerance
+        }
         IntegratorMethod::Rk4 => 1e3 * math::powi(spec.step, 4),
         IntegratorMethod::SemiImplicit => return 1e-9,
     };

@@ -1,7 +1,7 @@
 //! Checks that contact method, integrator, restitution and imposed states can be combined. The
 //! [`MethodDescriptor`] of each method gives its combinations:
 //!
-//! | | `dopri5` | `bs23` | `rk4` | `semi-implicit` | `restitution` | `forced` |
+//! | | `dopri5`, `rosenbrock`, `auto` | `bs23` | `rk4` | `semi-implicit` | `restitution` | `forced` |
 //! |---|---|---|---|---|---|---|
 //! | `exact` | x | x | x | x | where events are located | x |
 //! | `one-step` | x | x | x | x | | x |
@@ -13,7 +13,13 @@ use crate::robot::{Base, DriveMode, Model};
 use crate::scenario::{Diagnostic, IntegratorMethod, Run};
 
 /// Integrators of accelerations, which locate events.
-const EXPLICIT: &[IntegratorMethod] = &[IntegratorMethod::Dopri5, IntegratorMethod::Bs23, IntegratorMethod::Rk4];
+const EXPLICIT: &[IntegratorMethod] = &[
+    IntegratorMethod::Dopri5,
+    IntegratorMethod::Rosenbrock,
+    IntegratorMethod::Auto,
+    IntegratorMethod::Bs23,
+    IntegratorMethod::Rk4,
+];
 
 /// Reports combinations that do not work, each at its position in the file.
 pub(super) fn check(run: &Run, errors: &mut Vec<Diagnostic>) {

@@ -447,6 +447,33 @@ pub fn add_point_row(
     }
 }
 
+/// Adds the effect of a generalised force on velocity `k` of a mechanism: to `free`, the accelerations of all
+/// mechanisms, and to `motion`, those of the contacts, 6F. Needs [`assemble`].
+pub fn add_effort<'a>(
+    ws: impl Into<Mechanisms<'a>>,
+    reduced: &mut Reduced,
+    (m, k): (usize, usize),
+    effort: f64,
+    (free, motion): (&mut [f64], &mut [f64]),
+) {
+    let ws = ws.into();
+    let range = reduced.offsets[m]..reduced.offsets[m + 1];
+    reduced.half.fill(0.0);
+    reduced.half[range.start + k] = effort;
+    factor::solve_lt(&ws.get(m).factor, &mut reduced.half[range.clone()]);
+    for s in 0..reduced.n {
+        for side in reduced.sides[reduced.sides(s)].iter().filter(|side| side.body.mechanism == m) {
+            let y = &reduced.y[side.start..side.start + side.length];
+            for (y, &k) in y.iter().zip(ws.get(m).support(side.body.link)) {
+                let half = reduced.half[side.offset + k];
+                motion[6 * s..6 * s + 6].iter_mut().zip(y).for_each(|(a, y)| *a += y * half);
+            }
+        }
+    }
+    factor::solve_l(&ws.get(m).factor, &mut reduced.half[range.clone()]);
+    free[range.clone()].iter_mut().zip(&reduced.half[range]).for_each(|(a, x)| *a += x);
+}
+
 /// Adds `M^-1 J^T w` to `out`, of all mechanisms: accelerations for wrenches `w`, velocity jumps for
 /// impulses. `w` has length 6F. Needs [`assemble`].
 pub fn apply<'a>(ws: impl Into<Mechanisms<'a>>, reduced: &mut Reduced, w: &[f64], out: &mut [f64]) {

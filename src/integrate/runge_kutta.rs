@@ -10,6 +10,7 @@
 //! evaluated again.)
 
 use super::{System, error_norm};
+use crate::math;
 use std::ops::Range;
 
 /// Coefficients of a method; the file of each cites its source.
@@ -102,6 +103,23 @@ impl RungeKutta {
         error_norm(groups, tolerances, [&self.start, &self.end], |i| {
             self.h * self.tableau.error.iter().zip(&self.k).map(|(e, k)| e * k[i]).sum::<f64>()
         })
+    }
+
+    /// Estimate of the greatest modulus of an eigenvalue along the last attempt, 1/s, from the first `n` components of
+    /// the two last stages, where both are at the end of the step ([Hairer 1996], section IV.2).
+    pub fn rate_estimate(&self, n: usize) -> Option<f64> {
+        let last = self.k.len() - 1;
+        if self.tableau.c[last - 1] != self.tableau.c[last] {
+            return None;
+        }
+        let (mut slopes, mut distance) = (0.0, 0.0);
+        for i in 0..n {
+            let difference = self.tableau.a[last].iter().zip(self.k.iter()).map(|(a, k)| a * k[i]).sum::<f64>();
+            let before = self.tableau.a[last - 1].iter().zip(self.k.iter()).map(|(a, k)| a * k[i]).sum::<f64>();
+            slopes += math::powi(self.k[last][i] - self.k[last - 1][i], 2);
+            distance += math::powi(self.h * (difference - before), 2);
+        }
+        (distance > 0.0).then(|| (slopes / distance).sqrt())
     }
 
     /// Dense output at `t + theta h` of the last attempt.

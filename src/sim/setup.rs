@@ -49,6 +49,17 @@ pub struct ContactSetup {
     pub forced: Vec<Forced>,
 }
 
+/// When drives, joint friction and stops are integrated implicitly.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ImplicitDrives {
+    /// Never.
+    Never,
+    /// While they limit the steps of the explicit method.
+    Auto,
+    /// Always.
+    Always,
+}
+
 /// Time integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum IntegratorSetup {
@@ -62,6 +73,8 @@ pub enum IntegratorSetup {
         absolute: f64,
         /// Largest step, s.
         max_step: f64,
+        /// When a Rosenbrock method takes steps with implicit drives instead.
+        implicit: ImplicitDrives,
     },
     /// A Runge-Kutta method in fixed steps, shortened only to end at an event.
     Stepped {
@@ -179,7 +192,13 @@ impl Setup {
                 locate: true,
                 forced: Vec::new(),
             },
-            integrator: IntegratorSetup::Controlled { pair: &DOPRI5, relative: 1e-6, absolute: 1e-8, max_step: 0.01 },
+            integrator: IntegratorSetup::Controlled {
+                pair: &DOPRI5,
+                relative: 1e-6,
+                absolute: 1e-8,
+                max_step: 0.01,
+                implicit: ImplicitDrives::Never,
+            },
             start: Start {
                 position: Vector3::zeros(),
                 rotation: UnitQuaternion::identity(),

@@ -19,7 +19,7 @@ use super::run_error::RunError;
 use super::saved_state::SavedState;
 use super::self_collision::SelfCollisionMonitor;
 use super::sensing::{Estimator, Sensors};
-use super::setup::{IntegratorSetup, Setup};
+use super::setup::{ImplicitDrives, IntegratorSetup, Setup};
 use super::stepper::step_size::StepSize;
 use super::stepper::{Discontinuity, ExplicitStepper, SemiImplicitStepper, Stepper};
 use super::termination::StallGuard;
@@ -299,15 +299,15 @@ fn check_soles(model: &Model) -> Result<(), RunError> {
 }
 
 fn stepper(integrator: &IntegratorSetup, plant: &Plant) -> Stepper {
-    let (n, solution) = (plant.layout.size(), &plant.solution);
     match *integrator {
-        IntegratorSetup::Controlled { pair, relative, absolute, max_step } => {
+        IntegratorSetup::Controlled { pair, relative, absolute, max_step, implicit } => {
             let control = StepControl::new(pair.order);
             let size = StepSize::Controlled { control, relative, absolute, max_step, h: max_step.min(1e-3) };
-            Stepper::Explicit(Box::new(ExplicitStepper::new(pair, n, size, solution)))
+            Stepper::Explicit(Box::new(ExplicitStepper::new(pair, plant, size, implicit)))
         }
         IntegratorSetup::Stepped { method, step } => {
-            Stepper::Explicit(Box::new(ExplicitStepper::new(method, n, StepSize::Fixed(step), solution)))
+            let size = StepSize::Fixed(step);
+            Stepper::Explicit(Box::new(ExplicitStepper::new(method, plant, size, ImplicitDrives::Never)))
         }
         IntegratorSetup::SemiImplicit { step } => Stepper::SemiImplicit(Box::new(SemiImplicitStepper::new(step))),
     }

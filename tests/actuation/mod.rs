@@ -4,6 +4,7 @@ mod drives;
 mod friction;
 mod kinematic;
 mod lag;
+mod stiff;
 mod stops;
 
 use crate::analytic::support::root;

@@ -48,6 +48,10 @@ fn without_allocations(drives: &str) {
     for (method, integrator) in [
         ("exact", "method = \"dopri5\""),
         ("exact", "method = \"bs23\""),
+        ("exact", "method = \"rosenbrock\""),
+        ("exact", "method = \"auto\""),
+        ("one-step", "method = \"rosenbrock\""),
+        ("penalty", "method = \"rosenbrock\""),
         ("exact", "method = \"rk4\", step = 1e-3"),
         ("exact", "method = \"semi-implicit\", step = 1e-3"),
         ("one-step", "method = \"dopri5\""),

@@ -252,6 +252,11 @@ impl Default for IntegratorSpec {
 pub enum IntegratorMethod {
     /// Dormand and Prince's embedded Runge-Kutta pair of order 5(4), adaptive.
     Dopri5,
+    /// Rang and Angermann's Rosenbrock pair ROS34PW2 of order 3(2), adaptive: drives, joint friction and stops
+    /// are implicit and do not limit its steps.
+    Rosenbrock,
+    /// `dopri5`, or `rosenbrock` while drives limit the steps of `dopri5`.
+    Auto,
     /// Bogacki and Shampine's embedded Runge-Kutta pair of order 3(2), adaptive.
     Bs23,
     /// The classical Runge-Kutta method of order 4, fixed step.
@@ -265,6 +270,8 @@ impl IntegratorMethod {
     pub fn name(self) -> &'static str {
         match self {
             IntegratorMethod::Dopri5 => "dopri5",
+            IntegratorMethod::Rosenbrock => "rosenbrock",
+            IntegratorMethod::Auto => "auto",
             IntegratorMethod::Bs23 => "bs23",
             IntegratorMethod::Rk4 => "rk4",
             IntegratorMethod::SemiImplicit => "semi-implicit",

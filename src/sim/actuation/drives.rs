@@ -19,7 +19,7 @@ pub struct Drives {
     /// none.
     pub(super) saturated: Vec<f64>,
     /// Joints whose actuators lag.
-    pub(super) lagging: Vec<usize>,
+    pub lagging: Vec<usize>,
     /// For each lagging actuator: effort and implicit term of its servo, before the lag.
     pub(super) lag_input: Vec<(f64, f64)>,
 }

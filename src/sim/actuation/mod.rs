@@ -8,6 +8,7 @@
 
 pub mod drives;
 pub mod effort_limits;
+pub mod effort_slopes;
 pub mod joint_efforts;
 pub mod kinematic_paths;
 pub mod lag;

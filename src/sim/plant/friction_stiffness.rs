@@ -33,8 +33,10 @@ use super::sliding_directions::direction;
 use crate::contact::model::state::Mode;
 use crate::dynamics::reduced;
 use crate::integrate::StiffPart;
-use crate::integrate::rosenbrock::MAX_RANK;
 use nalgebra::{Vector2, Vector3};
+
+/// Greatest number of sliding vertices whose friction is in the stiff part.
+pub const MOST_VERTICES: usize = 32;
 
 /// Turn of a direction in a difference quotient, rad. Truncation 1e-6 of the derivative; W-methods
 /// need no exact derivative.
@@ -72,18 +74,19 @@ impl Plant {
         })
     }
 
-    /// Writes the stiff part at the last evaluation: a product for each sliding vertex, the first
-    /// if there are more than [`MAX_RANK`]. Leaves the evaluation as it was.
+    /// Adds the stiffness at the last evaluation: a product for each sliding vertex, the first
+    /// [`MOST_VERTICES`] if there are more. Leaves the evaluation as it was.
     pub fn friction_stiffness(&mut self, out: &mut StiffPart) {
-        let mut vertices = [(0, 0); MAX_RANK];
-        out.rank = 0;
+        let mut vertices = [(0, 0); MOST_VERTICES];
+        let mut number = 0;
         for (slot, vertex) in vertices.iter_mut().zip(self.sliding_vertices()) {
             *slot = vertex;
-            out.rank += 1;
+            number += 1;
         }
         let (configuration, velocities) = (self.layout.configuration(), self.layout.velocities());
         let flows = self.layout.controlled()..self.layout.size();
-        for (r, &(s, i)) in vertices[..out.rank].iter().enumerate() {
+        for &(s, i) in &vertices[..number] {
+            let Some((entries, column)) = out.add() else { return };
             let v = self.problem.soles[s].vertices[i];
             let (t, u) = (v.velocity.xy(), v.direction);
             let (slow, reference) = (self.direction_speed(s), self.directions[s][i]);
@@ -97,8 +100,8 @@ impl Plant {
             let axes = &self.reduced.axes[s];
             let gradient = axes * Vector3::new(gradient.x, gradient.y, 0.0);
             let point = self.reduced.reference[s] + axes * v.r;
-            let row = &mut out.rows[r];
-            row.fill(0.0);
+            // The column is scratch for the row.
+            let row = &mut *column;
             self.layout.configuration_rates(0, self.state.rotation.quaternion(), &self.state.v, row);
             for (o, object) in self.objects.list.iter().enumerate() {
                 let (q, v) = (object.state.rotation.quaternion(), &object.state.v);
@@ -119,8 +122,8 @@ impl Plant {
             let square: f64 = rates.iter().map(|rate| rate * rate).sum();
             let factor = if square > 0.0 { (turning - by_velocity) / square } else { 0.0 };
             rates.iter_mut().for_each(|rate| *rate *= factor);
+            entries.extend(row.iter().copied().enumerate().filter(|(_, x)| *x != 0.0));
             self.respond_with(s, i, u + across * TURN);
-            let column = &mut out.columns[r];
             column.fill(0.0);
             column[velocities.clone()].copy_from_slice(&self.acceleration);
             column[flows.clone()].copy_from_slice(&self.powers().0);

@@ -9,11 +9,12 @@
 //! independent of [`Simulation`](super::Simulation), tasks, observers and metrics.
 
 mod carried_mass;
+pub mod drive_stiffness;
 pub mod energy;
 pub mod energy_flows;
 mod force_models;
 mod friction;
-mod friction_stiffness;
+pub mod friction_stiffness;
 pub mod implicit_dampers;
 pub mod kinematic_joints;
 mod mechanism_states;

@@ -14,6 +14,7 @@ use crate::dynamics::reduced::Mechanisms;
 use crate::dynamics::{DynamicsError, State, Workspace, body, crba, factor, kinematics, rnea};
 use crate::robot::{Link, Model};
 use crate::sim::actuation::drives::Drives;
+use crate::sim::actuation::effort_slopes::DrivesAt;
 use crate::sim::actuation::joint_efforts::{self, JointStop};
 use crate::task::Command;
 use nalgebra::Vector3;
@@ -143,6 +144,18 @@ impl Object {
         tau.copy_from_slice(&self.external.tau);
         for (tau, (servo, passive)) in tau[nb..].iter_mut().zip(self.drives.servo.iter().zip(&self.passive)) {
             *tau += servo + passive;
+        }
+    }
+
+    /// Its drives and their state.
+    pub(super) fn drives_at(&self) -> DrivesAt<'_> {
+        DrivesAt {
+            model: &self.model,
+            drives: &self.drives,
+            stops: self.stops.as_deref(),
+            joints: &self.state.joints,
+            rates: &self.state.v[self.model.nb()..],
+            command: &self.command,
         }
     }
 

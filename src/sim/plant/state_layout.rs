@@ -161,6 +161,17 @@ impl StateLayout {
         &mut y[self.parts[m].actuators.clone()]
     }
 
+    /// The entries of position and velocity of a joint of mechanism `m`.
+    pub fn joint(&self, m: usize, joint: usize) -> (usize, usize) {
+        let part = &self.parts[m];
+        (part.configuration.start + 7 + joint, part.velocities.start + part.nb + joint)
+    }
+
+    /// The entry of a lagging actuator of mechanism `m`.
+    pub fn actuator(&self, m: usize, actuator: usize) -> usize {
+        self.parts[m].actuators.start + actuator
+    }
+
     /// Sets the derivatives of the position and velocity of a joint of the robot to zero.
     pub fn hold(&self, joint: usize, dy: &mut [f64]) {
         dy[7 + joint] = 0.0;

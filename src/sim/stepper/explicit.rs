@@ -15,9 +15,11 @@ use crate::contact::search::judge::CLEAR;
 use crate::integrate::Tableau;
 use crate::integrate::event_location::first_crossing;
 use crate::sim::contact_states::event_functions::StepEventFunctions;
+use crate::sim::plant::Plant;
 use crate::sim::report::Observer;
 use crate::sim::run::{Deferral, RunState};
 use crate::sim::run_error::RunError;
+use crate::sim::setup::ImplicitDrives;
 use crate::sim::termination::{check_finite, diverged};
 use nalgebra::Vector2;
 
@@ -71,10 +73,11 @@ pub struct ExplicitStepper {
 }
 
 impl ExplicitStepper {
-    /// For vectors of length `n` and solutions of the size of `solution`.
-    pub fn new(method: &'static Tableau, n: usize, size: StepSize, solution: &Solution) -> Self {
+    /// For a plant.
+    pub fn new(method: &'static Tableau, plant: &Plant, size: StepSize, implicit: ImplicitDrives) -> Self {
+        let n = plant.layout.size();
         ExplicitStepper {
-            pair: MethodPair::new(method, n, &size),
+            pair: MethodPair::new(method, plant, &size, implicit),
             size,
             sliding_mode: SlidingMode::new(n),
             fresh: true,
@@ -84,7 +87,7 @@ impl ExplicitStepper {
             dense: vec![0.0; n],
             functions: StepEventFunctions::new(),
             directions: Vec::new(),
-            held: solution.clone(),
+            held: plant.solution.clone(),
             start: Vec::with_capacity(USUAL_FUNCTIONS),
             left: Vec::with_capacity(USUAL_FUNCTIONS),
             right: Vec::with_capacity(USUAL_FUNCTIONS),
@@ -142,8 +145,9 @@ impl ExplicitStepper {
         sim.measure_energy();
         sim.plant.begin_sole_impulses();
         let doubtful = self.functions.overlook(&mut self.start, sim.tolerances.rest);
-        if hop.is_none() && sim.locates_events() {
-            h = self.pair.select(&mut sim.plant, &self.y, h, remaining);
+        if hop.is_none() && (sim.locates_events() || self.pair.has_implicit_drives()) {
+            let is_new = self.fresh || discontinuity == Discontinuity::Corner;
+            h = self.pair.select(&mut sim.plant, &self.y, h, remaining, is_new);
         }
         self.left.resize(self.start.len(), 0.0);
         self.scratch.resize(self.start.len(), 0.0);

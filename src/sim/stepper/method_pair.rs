@@ -1,15 +1,27 @@
-//! An explicit Runge-Kutta method and a Rosenbrock method for steps in which friction is stiff.
+//! An explicit Runge-Kutta method and a Rosenbrock method for steps in which friction or drives are stiff.
 //!
 //! Friction of a slow vertex turns with its direction at rates that grow without bound as its speed
 //! goes to zero ([`crate::sim::plant::friction_stiffness`]). Explicit steps are then limited by
 //! stability, not by accuracy. Where that limit is below the step that the Rosenbrock method takes,
 //! the latter takes it. The rate is computed where an estimate is high, or explicit steps are so
 //! short that something limits them.
+//!
+//! Drives ([`crate::sim::plant::drive_stiffness`]) are stiff in all steps, in none, or in those after stability has
+//! limited explicit ones, until accuracy would limit them too ([`ImplicitDrives`]). Explicit steps are limited by
+//! stability where `h |lambda|` is near the limit in [`STIFF_STEPS`] steps, with the estimate of [Hairer 1996],
+//! section IV.2, from the two stages at the end of a step,
+//!
+//! ```text
+//! |lambda| = |f(t + h, y1) - f(t + h, Y_6)| / |y1 - Y_6|
+//! ```
 
 use super::step_size::StepSize;
 use crate::integrate::{Rosenbrock, RungeKutta, StepControl, Tableau};
 use crate::sim::plant::Plant;
+use crate::sim::plant::drive_stiffness::DriveStiffness;
+use crate::sim::plant::friction_stiffness::MOST_VERTICES;
 use crate::sim::plant::state_layout::StateLayout;
+use crate::sim::setup::ImplicitDrives;
 
 /// Product of step and eigenvalue up to which explicit steps are stable (`dopri5`: 3.3).
 const STABLE: f64 = 3.0;
@@ -19,6 +31,20 @@ const MODERATE: f64 = 1e5;
 const SHORT: f64 = 1e-5;
 /// First step of the Rosenbrock method after a restart, s.
 const FIRST: f64 = 1e-4;
+/// Estimate of `h |lambda|` above which an explicit step counts as limited by stability.
+const LIMITED: f64 = 2.5;
+/// Number of such steps after which drives become implicit, less one for each six that are not.
+const STIFF_STEPS: u32 = 12;
+/// Product of a step and the rate of the drives up to which an explicit step of that size would do.
+const EASY: f64 = 1.5;
+/// Number of such steps after which drives become explicit again.
+const EASY_STEPS: u32 = 12;
+/// Number of steps for which responses of the drives are kept.
+const KEPT: u32 = 12;
+/// Product of a step and the estimated rate of friction above which drives and friction are implicit together.
+const TOGETHER: f64 = 0.3;
+/// First step after a restart with implicit drives, s.
+const FIRST_OF_DRIVES: f64 = 1e-3;
 /// Most explicit steps between two attempts to resume the Rosenbrock method.
 const MOST_WAITING: u32 = 64;
 
@@ -35,11 +61,30 @@ pub struct MethodPair {
     /// doubles with each failure.
     waited: u32,
     wait: u32,
+    drives: Drives,
+}
+
+/// Implicit drives.
+struct Drives {
+    stiffness: DriveStiffness,
+    choice: ImplicitDrives,
+    /// Whether they are implicit in the next step.
+    are_implicit: bool,
+    /// Steps that count towards the next change.
+    count: u32,
+    /// Steps since the last that did not count.
+    others: u32,
+    /// Steps since their responses were computed.
+    age: u32,
+    /// Upper bound of their rates, 1/s.
+    rate: f64,
 }
 
 impl MethodPair {
-    /// For vectors of length `n` and steps of the explicit method sized by `size`.
-    pub fn new(method: &'static Tableau, n: usize, size: &StepSize) -> Self {
+    /// For a plant, and steps of the explicit method sized by `size`.
+    pub fn new(method: &'static Tableau, plant: &Plant, size: &StepSize, drives: ImplicitDrives) -> Self {
+        let n = plant.layout.size();
+        let room = if drives == ImplicitDrives::Never { 0 } else { plant.drive_products() };
         let stiff_size = match *size {
             StepSize::Fixed(_) => None,
             StepSize::Controlled { relative, absolute, max_step, .. } => {
@@ -49,20 +94,30 @@ impl MethodPair {
         };
         MethodPair {
             explicit: RungeKutta::new(method, n),
-            stiff: Rosenbrock::new(n),
+            stiff: Rosenbrock::new(n, room + MOST_VERTICES),
             is_stiff: false,
             stiff_size,
             resumes: false,
             waited: 0,
             wait: 1,
+            drives: Drives {
+                stiffness: DriveStiffness::default(),
+                choice: drives,
+                are_implicit: drives == ImplicitDrives::Always,
+                count: 0,
+                others: 0,
+                age: 0,
+                rate: 0.0,
+            },
         }
     }
 
     /// Resets the size of stiff steps after a jump of the equations.
     pub fn restart(&mut self) {
         if let Some(StepSize::Controlled { max_step, h, .. }) = &mut self.stiff_size {
-            *h = FIRST.min(*max_step);
+            *h = if self.drives.are_implicit { FIRST_OF_DRIVES } else { FIRST }.min(*max_step);
         }
+        self.drives.age = KEPT;
     }
 
     /// Evaluates the start of a step.
@@ -72,17 +127,26 @@ impl MethodPair {
     }
 
     /// Selects the method of the step that begins, whose explicit size would be `h`. Returns the
-    /// size of its first attempt.
-    pub fn select(&mut self, plant: &mut Plant, y: &[f64], h: f64, remaining: f64) -> f64 {
+    /// size of its first attempt. `is_new`: the equations may have changed since the last step.
+    pub fn select(&mut self, plant: &mut Plant, y: &[f64], h: f64, remaining: f64, is_new: bool) -> f64 {
         let Some(size) = &self.stiff_size else { return h };
         let stiff = size.next(remaining);
+        if self.drives.are_implicit {
+            self.use_drives(plant, stiff, is_new);
+            self.stiff.begin(y, self.explicit.slope());
+            (self.is_stiff, self.resumes) = (true, false);
+            return stiff;
+        }
         let can_resume = self.waited >= self.wait;
         self.waited = self.waited.saturating_add(1);
         let estimate = plant.friction_rate_estimate();
         if !(estimate > 0.0) || estimate < MODERATE && h > SHORT {
             return h;
         }
+        self.stiff.stiff.clear();
+        self.stiff.stiff.rates.clear();
         plant.friction_stiffness(&mut self.stiff.stiff);
+        self.stiff.stiff.complete();
         let limit = STABLE / self.stiff.stiff.rate();
         // Size of a Rosenbrock step: the one stored, or, after a transient in which explicit steps
         // were the longer ones, twice their limit once they have reached it.
@@ -94,6 +158,26 @@ impl MethodPair {
         self.stiff.begin(y, self.explicit.slope());
         (self.is_stiff, self.resumes) = (true, resumes);
         first
+    }
+
+    /// Makes the drives the stiff part of a step of size `h`, with friction if that is stiff.
+    fn use_drives(&mut self, plant: &mut Plant, h: f64, is_new: bool) {
+        let (drives, stiff) = (&mut self.drives, &mut self.stiff.stiff);
+        let renew = is_new || drives.age >= KEPT;
+        drives.age = if drives.stiffness.update(plant, renew, stiff) { 0 } else { drives.age + 1 };
+        if drives.age == 0 {
+            stiff.complete();
+            drives.rate = stiff.rate_bound();
+        }
+        if plant.friction_rate_estimate() * h > TOGETHER {
+            plant.friction_stiffness(stiff);
+        }
+        stiff.complete();
+    }
+
+    /// Whether drives are implicit in the next step.
+    pub fn has_implicit_drives(&self) -> bool {
+        self.drives.are_implicit
     }
 
     /// Whether the Rosenbrock method takes this step.
@@ -115,13 +199,31 @@ impl MethodPair {
         match &mut self.stiff_size {
             Some(size) if self.is_stiff => {
                 let factor = size.shorten(|tolerances| stiff.error(tolerances, layout.error_groups()), h, remaining);
-                if std::mem::take(&mut self.resumes) {
+                if self.drives.are_implicit {
+                    self.drives.count_implicit(factor.is_some(), size.next(f64::INFINITY));
+                } else if std::mem::take(&mut self.resumes) {
                     self.waited = 0;
                     self.wait = if factor.is_some() { (2 * self.wait).min(MOST_WAITING) } else { 1 };
                 }
                 factor
             }
-            _ => size.shorten(|tolerances| explicit.error(tolerances, layout.error_groups()), h, remaining),
+            _ => {
+                let factor = size.shorten(|tolerances| explicit.error(tolerances, layout.error_groups()), h, remaining);
+                if factor.is_none() && self.drives.choice == ImplicitDrives::Auto {
+                    let rate = self.explicit.rate_estimate(layout.controlled());
+                    if self.drives.count_explicit(rate.map_or(0.0, |rate| h * rate)) {
+                        self.restart_with(h);
+                    }
+                }
+                factor
+            }
+        }
+    }
+
+    /// Gives the Rosenbrock method its first step.
+    fn restart_with(&mut self, size: f64) {
+        if let Some(StepSize::Controlled { max_step, h, .. }) = &mut self.stiff_size {
+            *h = size.min(*max_step);
         }
     }
 
@@ -145,6 +247,38 @@ impl MethodPair {
         match self.is_stiff {
             true => self.stiff.interpolate(theta, out),
             false => self.explicit.interpolate(theta, out),
+        }
+    }
+}
+
+impl Drives {
+    /// Counts an accepted explicit step with this estimate of `h |lambda|`. Returns whether the drives have become
+    /// implicit.
+    fn count_explicit(&mut self, product: f64) -> bool {
+        if product > LIMITED {
+            (self.count, self.others) = (self.count + 1, 0);
+        } else {
+            self.others += 1;
+            if self.others.is_multiple_of(6) {
+                self.count = self.count.saturating_sub(1);
+            }
+        }
+        self.are_implicit = self.count >= STIFF_STEPS;
+        if self.are_implicit {
+            (self.count, self.age) = (0, KEPT);
+        }
+        self.are_implicit
+    }
+
+    /// Counts a step with implicit drives, after which the next one has size `next`.
+    fn count_implicit(&mut self, is_rejected: bool, next: f64) {
+        if is_rejected {
+            self.age = KEPT;
+            return;
+        }
+        self.count = if next * self.rate < EASY { self.count + 1 } else { 0 };
+        if self.count >= EASY_STEPS && self.choice == ImplicitDrives::Auto {
+            (self.count, self.others, self.are_implicit) = (0, 0, false);
         }
     }
 }

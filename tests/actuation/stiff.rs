@@ -1,0 +1,149 @@
+//! Stiff drives with implicit integrators: closed forms, and fewer steps than explicit ones.
+
+use super::{simulation, wheel};
+use crate::analytic::support::{self, Recording, finish, run};
+use nalgebra::{Matrix3, Vector3};
+use stiction::sim::{Metrics, NullObserver};
+
+const INERTIA: f64 = 0.2;
+const END: f64 = 0.5;
+
+/// A wheel that a servo with these keys turns from 0 to 1 rad.
+fn turned(method: &str, tolerance: f64, servo: &str) -> (Metrics, Recording) {
+    let text = format!(
+        "duration = {END}
+        gravity = [0, 0, 0]
+        log.rate = 200.0
+        control.rate = 1.0
+        integrator = {{ method = \"{method}\", relative_tolerance = {tolerance}, absolute_tolerance = {tolerance} }}
+        robot = {{ model = \"given\", soles = [], joint.axle = {{ {servo} }} }}\n"
+    );
+    let mut sim = simulation(Some(&wheel(INERTIA)), &text, Some(|_, _| [1.0, 0.0, 0.0]));
+    let mut seen = Recording::default();
+    (finish(&mut sim, &mut seen), seen)
+}
+
+/// Greatest distance of the logged positions from `exp(A t) (0, 0, z) + equilibrium` of the linear system with state
+/// `(q - 1, v, effort)`.
+fn distance(seen: &Recording, a: Matrix3<f64>, start: Vector3<f64>) -> f64 {
+    let off = |(time, q): (f64, f64)| (q - 1.0 - ((a * time).exp() * start)[0]).abs();
+    seen.snapshots.iter().map(|s| off((s.time, s.q[0]))).fold(0.0, f64::max)
+}
+
+#[test]
+fn an_overdamped_servo_approaches_as_its_closed_form_in_few_steps() {
+    // Rates of 50 and 2e5 1/s: the second ends within 0.1 ms.
+    let (kp, kd) = (2e6, 4e4);
+    let a = Matrix3::new(0.0, 1.0, 0.0, -kp / INERTIA, -kd / INERTIA, 0.0, 0.0, 0.0, 0.0);
+    let servo = format!("kp = {kp}, kd = {kd}, effort = 1e9");
+    for tolerance in [1e-5, 1e-7] {
+        let (m, seen) = turned("rosenbrock", tolerance, &servo);
+        let error = distance(&seen, a, Vector3::new(-1.0, 0.0, 0.0));
+        // Errors of the steps add up over the rise; the log's dense output is of order 2.
+        assert!(error < 10.0 * tolerance, "{error}");
+        assert!(m.steps < 20.0f64.mul_add(tolerance.powf(-1.0 / 3.0), 100.0) as u64, "{}", m.steps);
+    }
+}
+
+#[test]
+fn a_lagging_servo_follows_its_linear_equations() {
+    // A rate of 1e5 1/s, at which the effort follows.
+    let (kp, kd, lag) = (400.0, 40.0, 1e-5);
+    let a = Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0 / INERTIA, -kp / lag, -kd / lag, -1.0 / lag);
+    let (m, seen) = turned("rosenbrock", 1e-7, &format!("kp = {kp}, kd = {kd}, lag = {lag}, effort = 1e9"));
+    // The effort begins as that of the servo's first command.
+    let error = distance(&seen, a, Vector3::new(-1.0, 0.0, kp));
+    assert!(error < 1e-6, "{error}");
+    // Explicit steps of at most 3e-5 s would be 15 000.
+    assert!(m.steps < 1500, "{}", m.steps);
+}
+
+#[test]
+fn auto_becomes_implicit_where_stability_limits_explicit_steps() {
+    let servo = "kp = 2e6, kd = 4e4, effort = 1e9";
+    let steps = |method| turned(method, 1e-6, servo).0.steps;
+    let (explicit, auto, implicit) = (steps("dopri5"), steps("auto"), steps("rosenbrock"));
+    // Stability: 2e5 1/s over 0.5 s at 3.3 a step.
+    assert!(explicit > 30_000, "{explicit}");
+    assert!(auto < implicit + 300 && implicit < 1000, "{auto} {implicit}");
+}
+
+#[test]
+fn auto_has_the_bits_of_the_explicit_method_where_nothing_is_stiff() {
+    let end = |method| {
+        let (_, seen) = turned(method, 1e-6, "kp = 20.0, kd = 1.0, effort = 1e9");
+        seen.snapshots.last().expect("one").q[0].to_bits()
+    };
+    assert_eq!(end("auto"), end("dopri5"));
+}
+
+/// HOAP-2 with stiff servos, whose arms are turned by a velocity at the start.
+fn humanoid(integrator: &str, contact: &str) -> (Vec<f64>, Metrics) {
+    let mut sim = support::simulation(&format!(
+        "duration = 0.2
+        log.rate = 0
+        integrator = {{ {integrator} }}
+        contact.method = \"{contact}\"
+        robot = {{ model = \"robots/hoap2/hoap2.urdf\", contact = \"soles\", joint_default = {{ kp = 50, kd = 1 }}, velocity = {{ left_shoulder_pitch = 1.0, right_elbow = -0.5 }} }}\n"
+    ));
+    let metrics = finish(&mut sim, &mut NullObserver);
+    let state = &sim.plant().state;
+    ([&state.joints[..], &state.v, state.position.as_slice()].concat(), metrics)
+}
+
+#[test]
+fn a_standing_humanoid_with_stiff_servos_moves_as_with_explicit_steps() {
+    let tight = "relative_tolerance = 1e-9, absolute_tolerance = 1e-11";
+    for contact in ["exact", "one-step"] {
+        let (truth, _) = humanoid(tight, contact);
+        let (explicit, of_explicit) = humanoid("method = \"dopri5\"", contact);
+        let (found, m) = humanoid("method = \"rosenbrock\"", contact);
+        let error = |x: &[f64]| x.iter().zip(&truth).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        // Tolerance 1e-6 relative to speeds of 1 rad/s.
+        assert!(error(&found) < 1e-6, "{contact} {} {}", error(&found), error(&explicit));
+        assert!(3 * m.steps < of_explicit.steps, "{contact} {} {}", m.steps, of_explicit.steps);
+        assert!(m.max_energy_error_j < 1e-6 && m.inconsistent == 0, "{m:?}");
+    }
+}
+
+#[test]
+fn a_stop_does_not_limit_the_steps() {
+    let stop = "joint.axle = { mode = \"force\", stop = { stiffness = 1e7, damping = 2e4 } }";
+    let text = |method: &str| {
+        format!(
+            "duration = 1.0
+            gravity = [0, 0, 0]
+            log.rate = 0
+            control.rate = 1.0
+            integrator.method = \"{method}\"
+            robot = {{ model = \"given\", soles = [], velocity = {{ axle = 2.0 }}, {stop} }}\n"
+        )
+    };
+    let urdf = wheel(INERTIA)
+        .replace("continuous\">", "revolute\"><limit lower=\"-9\" upper=\"0.5\" effort=\"9\" velocity=\"99\"/>");
+    let end = |method: &str| {
+        let mut sim = simulation(Some(&urdf), &text(method), Some(|_, _| [0.0, 0.0, 5.0]));
+        let m = finish(&mut sim, &mut NullObserver);
+        (sim.plant().state.joints[0], m.steps)
+    };
+    let ((found, implicit), (truth, explicit)) = (end("rosenbrock"), end("dopri5"));
+    // At rest the spring carries the drive's 5 N m.
+    assert!((found - 0.5 - 5e-7).abs() < 1e-10 && (truth - found).abs() < 1e-10, "{found} {truth}");
+    assert!(10 * implicit < explicit, "{implicit} {explicit}");
+}
+
+#[test]
+fn a_landing_is_located_with_implicit_steps() {
+    let fall = (2.0 * 0.3f64 / 9.81).sqrt();
+    for method in ["rosenbrock", "auto"] {
+        let m = run(&format!(
+            "duration = 0.5
+            log.rate = 0
+            integrator = {{ method = \"{method}\", relative_tolerance = 1e-9, absolute_tolerance = 1e-11 }}
+            robot = {{ model = \"robots/block/block.toml\", base.position = [0, 0, 0.35] }}\n"
+        ));
+        // The fall is of order 2, so exact up to rounding.
+        assert!((m.first_touchdown_s.expect("it lands") / fall - 1.0).abs() < 1e-12, "{method}");
+        assert_eq!((m.impacts, m.inconsistent), (1, 0));
+    }
+}
