@@ -35,8 +35,8 @@ use crate::integrate::{BS23, DOPRI5, RK4};
 use crate::math;
 use crate::robot::{Model, Robot, SoleId};
 use crate::scenario::{
-    Diagnostic, Diagnostics, EventHandling, FloorSpec, IntegratorMethod, IntegratorSpec, JointLimits, PatchSpec, Run,
-    SunkLink, TouchingParts,
+    Diagnostic, Diagnostics, EventHandling, FloorSpec, IntegratorMethod, IntegratorSpec, Interpolation, JointLimits,
+    PatchSpec, Run, SunkLink, TouchingParts,
 };
 use crate::sim::Floor;
 use crate::sim::floor::{LinkHull, Patch};
@@ -131,6 +131,7 @@ pub fn setup_with(run: &Run, robot: &Robot, models: &[Arc<Robot>]) -> Result<Set
         integrator,
         start,
         joint_stops: s.robot.joint_limits == JointLimits::Stop,
+        interpolates_commands: s.control.interpolation == Interpolation::Cubic,
         tasks,
         command_source: None,
         forces,

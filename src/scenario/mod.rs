@@ -45,7 +45,7 @@ pub use format::{
     compare::{CompareSpec, TruthMetric},
     contact::{ContactMethod, ContactSpec, EventHandling, ForcedState, IntegratorMethod, IntegratorSpec},
     contact_pair::ContactPair,
-    control::{AccelerationSource, ControlSpec, Estimator, InertialSpec, KinematicSpec},
+    control::{AccelerationSource, ControlSpec, Estimator, InertialSpec, Interpolation, KinematicSpec},
     event::EventSpec,
     expect::{Expect, ExpectedOutcome},
     floor::{FloorSpec, Friction, PatchSpec},

@@ -121,6 +121,8 @@ pub struct Setup {
     pub start: Start,
     /// Do joint limits stop the joints?
     pub joint_stops: bool,
+    /// Whether position servos follow a path between two commands.
+    pub interpolates_commands: bool,
     /// Tasks, which compute joint commands.
     pub tasks: TaskServer,
     /// Source of joint commands, if not the tasks.
@@ -206,6 +208,7 @@ impl Setup {
                 v: vec![0.0; model.nv()],
             },
             joint_stops: true,
+            interpolates_commands: false,
             tasks: TaskServer::new(1000.0, &model, command),
             command_source: None,
             forces: Vec::new(),
@@ -251,6 +254,7 @@ impl Setup {
             pair_rules: std::mem::take(&mut self.pair_rules),
             terrain: self.terrain.clone(),
             joint_stops: self.joint_stops,
+            interpolates_commands: self.interpolates_commands,
             forces: std::mem::take(&mut self.forces),
             command: self.tasks.command.clone(),
             rest: self.contact.tolerances.rest,

@@ -77,6 +77,43 @@ fn auto_has_the_bits_of_the_explicit_method_where_nothing_is_stiff() {
     assert_eq!(end("auto"), end("dopri5"));
 }
 
+/// Ends of runs in which a servo of rates 11 and 89 1/s follows t^2 at 100 Hz for 3 s: distance from the motion
+/// `t^2 - 2 I / kp`, and steps.
+fn following(integrator: &str, interpolation: &str) -> (f64, u64) {
+    let (kp, kd) = (200.0, 20.0);
+    let text = format!(
+        "duration = 3.005
+        gravity = [0, 0, 0]
+        log.rate = 0
+        control = {{ rate = 100.0, interpolation = \"{interpolation}\" }}
+        integrator = {{ {integrator} }}
+        robot = {{ model = \"given\", soles = [], joint.axle = {{ kp = {kp}, kd = {kd}, effort = 1e9 }} }}\n"
+    );
+    let mut sim = simulation(Some(&wheel(INERTIA)), &text, Some(|_, t| [t * t, 2.0 * t, 0.0]));
+    let m = finish(&mut sim, &mut NullObserver);
+    let state = &sim.plant().state;
+    ((state.joints[0] - state.time * state.time + 2.0 * INERTIA / kp).abs(), m.steps)
+}
+
+#[test]
+fn interpolated_commands_are_continuous_between_ticks() {
+    let tight = "method = \"dopri5\", relative_tolerance = 1e-10, absolute_tolerance = 1e-12";
+    let (cubic, steps) = following(tight, "cubic");
+    // The transient of the start has decayed by exp(-34); errors of 1e-10 of 9 rad.
+    assert!(cubic < 1e-9, "{cubic}");
+    // Held ones lag by half a tick of the velocity.
+    let (held, of_held) = following(tight, "hold");
+    assert!((held - 0.03).abs() < 0.01, "{held}");
+    assert!(3 * steps < 2 * of_held, "{steps} {of_held}");
+    // With its tolerance of 1e-6 of 9 rad.
+    let (implicit, _) = following("method = \"rosenbrock\"", "cubic");
+    assert!(implicit < 1e-5, "{implicit}");
+    // Semi-implicit steps meet them too: the order is 1.
+    let end = |h: f64| following(&format!("method = \"semi-implicit\", step = {h}"), "cubic").0;
+    let (coarse, fine) = (end(1e-3), end(5e-4));
+    assert!(coarse < 1e-2 && (coarse / fine - 2.0).abs() < 0.1, "{coarse} {fine}");
+}
+
 /// HOAP-2 with stiff servos, whose arms are turned by a velocity at the start.
 fn humanoid(integrator: &str, contact: &str) -> (Vec<f64>, Metrics) {
     let mut sim = support::simulation(&format!(

@@ -28,6 +28,9 @@ pub struct ControlSpec {
     /// tick then changes no step before it.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub idle_ticks: bool,
+    /// What position servos follow between two ticks.
+    #[serde(skip_serializing_if = "Interpolation::is_default")]
+    pub interpolation: Interpolation,
     /// Source of the base's state for tasks.
     pub estimator: Estimator,
     /// Parameters of estimator `kinematic`.
@@ -43,10 +46,28 @@ impl Default for ControlSpec {
         ControlSpec {
             rate: 1000.0,
             idle_ticks: false,
+            interpolation: Interpolation::Hold,
             estimator: Estimator::Truth,
             kinematic: KinematicSpec::default(),
             inertial: InertialSpec::default(),
         }
+    }
+}
+
+/// What position servos follow between two ticks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Interpolation {
+    /// The last command.
+    #[default]
+    Hold,
+    /// A cubic to the next command, extrapolated from the last two: desired positions and velocities are continuous.
+    Cubic,
+}
+
+impl Interpolation {
+    fn is_default(&self) -> bool {
+        *self == Interpolation::default()
     }
 }
 

@@ -1,11 +1,12 @@
-//! Paths of kinematic joints: prescribed motion from one control tick to the next.
+//! Paths from one control tick to the next: the prescribed motion of kinematic joints and, if commands are
+//! interpolated, the desired motion of position servos.
 //!
 //! ```text
 //! q(t0 + s T) = q0 + (q1 - q0) (3 s^2 - 2 s^3) + T qd0 s (1 - s)^2 - T qd1 s^2 (1 - s)
 //! ```
 //!
-//! is the cubic of a tick of length T from the present position and velocity (q0, qd0) to those
-//! extrapolated from the commands for the next tick (q1, qd1). Two successive commands a and b
+//! is the cubic of a tick of length T from the present position and velocity (q0, qd0), of a servo those
+//! that its last path has reached, to those extrapolated from the commands for the next tick (q1, qd1). Two successive commands a and b
 //! belong to one smooth motion if `|dq - T (qd_a + qd_b) / 2| <= T |dqd| / 5`, where dqd is the
 //! change of velocity between them or the one before, if greater; then the cubic through both is
 //! continued. Otherwise the last command is continued by its own velocity,
@@ -73,10 +74,14 @@ impl JointPath {
 /// The prescribed motions of one run.
 #[derive(Clone, Debug, Default)]
 pub struct KinematicPaths {
-    /// By joint; none for joints with dynamics.
+    /// By joint; none for those that follow their commands as they are.
     paths: Vec<Option<JointPath>>,
-    /// The joints with a path.
+    /// The kinematic joints.
     joints: Vec<usize>,
+    /// Joints whose servo follows a path.
+    tracked: Vec<usize>,
+    /// Whether servos do.
+    interpolates: bool,
     /// The last command of each joint and its time; the acceleration is the mean since the previous
     /// command.
     commands: Vec<(f64, JointMotion)>,
@@ -85,11 +90,13 @@ pub struct KinematicPaths {
 }
 
 impl KinematicPaths {
-    /// Paths of a robot with `nj` joints, none of them kinematic yet.
-    pub fn new(nj: usize) -> Self {
+    /// Paths of a robot with `nj` joints, none of them kinematic yet. `interpolates`: position servos follow paths.
+    pub fn new(nj: usize, interpolates: bool) -> Self {
         KinematicPaths {
             paths: vec![None; nj],
             joints: Vec::with_capacity(nj),
+            tracked: Vec::with_capacity(nj),
+            interpolates,
             commands: vec![(f64::NEG_INFINITY, JointMotion::default()); nj],
             end: f64::NEG_INFINITY,
         }
@@ -100,6 +107,11 @@ impl KinematicPaths {
         &self.joints
     }
 
+    /// The joints whose servo follows a path, in ascending order.
+    pub fn tracked(&self) -> &[usize] {
+        &self.tracked
+    }
+
     /// Plans the paths of a tick of length `period` that begins at the state's time. `next` is the
     /// time of the next command, if there is one.
     pub fn plan(&mut self, model: &Model, command: &Command, state: &State, period: f64, next: Option<f64>) {
@@ -107,18 +119,26 @@ impl KinematicPaths {
         let next = next.filter(|t| *t < now + 1.5 * period && *t > now);
         let end = next.unwrap_or(now + period);
         self.joints.clear();
+        self.tracked.clear();
         for j in 0..self.paths.len() {
-            if command.mode[j] != DriveMode::Kinematic {
+            let is_kinematic = command.mode[j] == DriveMode::Kinematic;
+            let is_tracked = self.interpolates && command.mode[j] == DriveMode::Position;
+            if !is_kinematic && !is_tracked {
                 self.paths[j] = None;
                 self.commands[j].0 = f64::NEG_INFINITY;
                 continue;
             }
-            self.joints.push(j);
-            // The path continues; a velocity-level step leaves the mean velocity in the state.
-            let before = self.paths[j].map(|p| p.at(now, now - 0.5 * period));
-            let here = JointMotion { q: state.joints[j], qd: state.v[nb + j], qdd: 0.0 };
-            let from = before.filter(|m| m.q == here.q).unwrap_or(here);
             let command_now = JointMotion { q: command.position[j], qd: command.velocity[j], qdd: 0.0 };
+            let before = self.paths[j].map(|p| p.at(now, now - 0.5 * period));
+            let from = if is_kinematic {
+                self.joints.push(j);
+                // The path continues; a velocity-level step leaves the mean velocity in the state.
+                let here = JointMotion { q: state.joints[j], qd: state.v[nb + j], qdd: 0.0 };
+                before.filter(|m| m.q == here.q).unwrap_or(here)
+            } else {
+                self.tracked.push(j);
+                before.unwrap_or(command_now)
+            };
             let (last_time, last) = std::mem::replace(&mut self.commands[j], (now, command_now));
             let follows = last_time > now - 1.5 * period && last_time < now;
             if follows {
@@ -134,17 +154,21 @@ impl KinematicPaths {
         self.end = end;
     }
 
-    /// An instant after `t` at which accelerations jump, s.
+    /// An instant after `t` at which accelerations of paths jump, s.
     pub fn corner(&self, t: f64) -> Option<f64> {
-        (!self.joints.is_empty() && self.end > t).then_some(self.end)
+        (self.are_any() && self.end > t).then_some(self.end)
     }
 
-    /// Do prescribed accelerations jump at `t`?
+    /// Do accelerations of paths jump at `t`?
     pub fn ends(&self, t: f64) -> bool {
-        !self.joints.is_empty() && self.end == t
+        self.are_any() && self.end == t
     }
 
-    /// The prescribed motion of a kinematic joint; `within` as for forces.
+    fn are_any(&self) -> bool {
+        !self.joints.is_empty() || !self.tracked.is_empty()
+    }
+
+    /// The motion of a joint along its path; `within` as for forces.
     pub fn at(&self, joint: usize, t: f64, within: f64) -> JointMotion {
         self.paths[joint].map_or(JointMotion::default(), |p| p.at(t, within))
     }

@@ -90,7 +90,7 @@ pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
     out.effort.copy_from_slice(&plant.drives.efforts);
     for (j, desired) in out.effort_desired.iter_mut().enumerate() {
         let kinematic = plant.command.mode[j] == DriveMode::Kinematic;
-        let servo = joint_efforts::desired_effort(j, state.joints[j], state.v[nb + j], &plant.command);
+        let servo = joint_efforts::desired_effort(j, state.joints[j], state.v[nb + j], plant.followed_command());
         *desired = if kinematic { plant.drives.efforts[j] } else { servo };
     }
     out.q_desired.copy_from_slice(&plant.command.position);

@@ -18,6 +18,7 @@ use crate::dynamics::reduced;
 use crate::integrate::StiffPart;
 use crate::robot::Model;
 use crate::sim::actuation::effort_slopes::{DrivesAt, Slopes};
+use crate::sim::actuation::kinematic_paths::JointMotion;
 
 /// Test effort of a response, relative to that of 1 rad/s^2 or 1 m/s^2 of its joint alone.
 const TEST: f64 = 1e-3;
@@ -61,6 +62,7 @@ impl DriveStiffness {
             self.renew(plant, out);
         }
         out.truncate(self.products);
+        out.by_time.clear();
         let mut product = 0;
         for (at, [servo, passive]) in self.joints.iter().zip(&self.slopes) {
             let (q, v) = plant.layout.joint(at.mechanism, at.joint);
@@ -70,16 +72,37 @@ impl DriveStiffness {
             row.clear();
             row.extend([(q, k), (v, d)]);
             column[plant.layout.controlled()] = -rate;
-            product += 1;
-            let Some((actuator, constant)) = at.lag else { continue };
-            let z = plant.layout.actuator(at.mechanism, actuator);
-            row.push((z, -1.0));
-            let row = out.product(product).0;
-            row.clear();
-            row.extend([(q, servo[0] / constant), (v, servo[1] / constant), (z, 1.0 / constant)]);
+            // Of the servo with its command along its path.
+            let motion = plant.desired_motion(at.mechanism, at.joint);
+            let by_time = motion.map_or(0.0, |motion| servo[0] * motion.qd + servo[1] * motion.qdd);
+            if let Some((actuator, constant)) = at.lag {
+                let z = plant.layout.actuator(at.mechanism, actuator);
+                row.push((z, -1.0));
+                product += 1;
+                let row = out.product(product).0;
+                row.clear();
+                row.extend([(q, servo[0] / constant), (v, servo[1] / constant), (z, 1.0 / constant)]);
+            }
+            if by_time != 0.0 {
+                out.add_by_time(product, -at.lag.map_or(by_time, |(_, constant)| by_time / constant));
+            }
             product += 1;
         }
+        self.add_powers(plant, out);
         renew
+    }
+
+    /// Products of the flows of energy: the power of an effort depends on the velocity of its joint.
+    fn add_powers(&self, plant: &Plant, out: &mut StiffPart) {
+        let flows = plant.layout.controlled();
+        for (flow, sign) in [(0, 1.0), (2, -1.0)] {
+            let Some((row, column)) = out.add() else { return };
+            column[flows + flow] = sign;
+            for at in self.joints.iter().filter(|at| at.mechanism == 0) {
+                let effort = if flow == 0 { plant.drives.efforts[at.joint] } else { plant.passive[at.joint] };
+                row.push((plant.layout.joint(0, at.joint).1, effort));
+            }
+        }
     }
 
     /// The stiff joints and their slopes.
@@ -133,7 +156,7 @@ impl Plant {
     /// Number of products that the drives of all mechanisms can need.
     pub fn drive_products(&self) -> usize {
         let of = |model: &Model| model.nj() + model.lagging().count();
-        of(&self.model) + self.objects.list.iter().map(|object| of(&object.model)).sum::<usize>()
+        2 + of(&self.model) + self.objects.list.iter().map(|object| of(&object.model)).sum::<usize>()
     }
 
     fn drives_at(&self, mechanism: usize) -> DrivesAt<'_> {
@@ -144,10 +167,16 @@ impl Plant {
                 stops: self.stops.as_deref(),
                 joints: &self.state.joints,
                 rates: &self.state.v[self.model.nb()..],
-                command: &self.command,
+                command: self.followed_command(),
             },
             _ => self.objects.list[mechanism - 1].drives_at(),
         }
+    }
+
+    /// The motion that a joint's command follows, if it is interpolated.
+    fn desired_motion(&self, mechanism: usize, joint: usize) -> Option<JointMotion> {
+        let is_tracked = mechanism == 0 && self.kinematic_paths.tracked().contains(&joint);
+        is_tracked.then(|| self.kinematic_paths.at(joint, self.state.time, self.within))
     }
 
     /// Velocities of the joints of a mechanism.

@@ -60,6 +60,8 @@ pub struct PlantSetup {
     pub forces: Vec<Box<dyn Force>>,
     /// Initial joint commands.
     pub command: Command,
+    /// Whether position servos follow a path between two commands.
+    pub interpolates_commands: bool,
     /// Speed below which a sliding vertex is at rest, m/s.
     pub rest: f64,
     /// Error that a step may make in a speed: absolute, m/s, and relative. Zero without located
@@ -93,6 +95,8 @@ pub struct Plant {
     pub forces: Vec<Box<dyn Force>>,
     /// Joint commands.
     pub command: Command,
+    /// Those of the last evaluation, if servos follow a path between two commands.
+    interpolated: Command,
     /// Stiffness of the joint stops; none when limits are ignored.
     pub stops: Option<Vec<JointStop>>,
     /// State of the last evaluation.
@@ -189,6 +193,7 @@ impl Plant {
             gravity: setup.gravity,
             floor: setup.floor,
             forces: setup.forces,
+            interpolated: setup.command.clone(),
             command: setup.command,
             stops,
             kinematics_state: state.clone(),
@@ -219,7 +224,7 @@ impl Plant {
             implicit_external: vec![0.0; nv],
             dampers: ImplicitDampers::new(&ws),
             impulses: None,
-            kinematic_paths: KinematicPaths::new(nj),
+            kinematic_paths: KinematicPaths::new(nj, setup.interpolates_commands),
             prescribed_acceleration: vec![0.0; nj],
             scratch: vec![0.0; all],
             jump: vec![0.0; all],
@@ -315,13 +320,34 @@ impl Plant {
         kinematics::update(&self.model, &self.state, &mut self.ws);
     }
 
+    /// The commands that the drives followed in the last evaluation.
+    pub fn followed_command(&self) -> &Command {
+        if self.kinematic_paths.tracked().is_empty() { &self.command } else { &self.interpolated }
+    }
+
+    /// Puts desired motions on their paths, `ahead` seconds after the state.
+    fn interpolate_command(&mut self, ahead: f64) {
+        if self.kinematic_paths.tracked().is_empty() {
+            return;
+        }
+        self.interpolated.copy_from(&self.command);
+        for &j in self.kinematic_paths.tracked() {
+            let motion = self.kinematic_paths.at(j, self.state.time + ahead, self.within);
+            (self.interpolated.position[j], self.interpolated.velocity[j]) = (motion.q, motion.qd);
+        }
+    }
+
     /// Fills tau with actuators, passive joint efforts and external forces. With a step size the
     /// position servo is referred to the position that the present velocity leads to, as the
     /// implicit step requires.
     fn efforts(&mut self, dt: Option<f64>) {
         let nb = self.model.nb();
+        self.interpolate_command(dt.unwrap_or(0.0));
         let (joints, rates) = (&self.state.joints, &self.state.v[nb..]);
-        self.drives.evaluate(&self.model, joints, rates, &self.state.actuators, &self.command, dt);
+        // Not `followed_command`: the drives are borrowed too.
+        let is_held = self.kinematic_paths.tracked().is_empty();
+        let command = if is_held { &self.command } else { &self.interpolated };
+        self.drives.evaluate(&self.model, joints, rates, &self.state.actuators, command, dt);
         self.passive.fill(0.0);
         let stops = self.stops.as_deref();
         match dt {
