@@ -1,7 +1,8 @@
-//! Time series of a run for its picture, from its log: height of the base, normal force and state
-//! of each sole.
+//! Time series of a run for its picture, from its log: height of the base, force and state of each sole and other
+//! contact.
 
 use crate::log::Trajectory;
+use crate::sim::bodies::FLOOR;
 use nalgebra::{Rotation3, Vector3};
 
 /// Width of a picture in columns; finer detail is invisible.
@@ -20,8 +21,10 @@ pub(super) struct History {
 /// A sole over time.
 pub(super) struct SoleHistory {
     pub name: String,
-    /// Sum of the vertices' forces along the floor's normal, N, over time, s.
-    pub normal: Vec<(f64, f64)>,
+    /// Sum of the vertices' forces, N, over time, s: along the floor's normal, or its magnitude.
+    pub force: Vec<(f64, f64)>,
+    /// Whether it is the magnitude: the log has no normals of contacts away from the floor.
+    pub is_magnitude: bool,
     pub stays: Vec<Stay>,
     /// Changes of state between logged instants; may exceed the number of stays, since short ones
     /// are merged.
@@ -45,19 +48,40 @@ impl History {
             |values: &mut dyn Iterator<Item = f64>| thin(&log.times.iter().copied().zip(values).collect::<Vec<_>>());
         let sole = |sole: &crate::log::SoleSeries| {
             let stays = stays(&log.times, &sole.state);
+            let is_magnitude = sole.name.split_once(" on ").is_some_and(|(_, other)| other != FLOOR);
+            let force = |f: &Vector3<f64>| if is_magnitude { f.norm() } else { f.dot(&normal) };
             SoleHistory {
                 name: sole.name.clone(),
-                normal: series(&mut sole.force.iter().map(|f| f.dot(&normal))),
+                force: series(&mut sole.force.iter().map(force)),
+                is_magnitude,
                 changes: stays.len().saturating_sub(1),
                 stays: merge(stays, first, last),
             }
         };
+        let mut soles: Vec<SoleHistory> = log.soles.iter().flatten().map(sole).collect();
+        // Soles, then other contacts in the order of the numbers in their names.
+        let number = log.soles.iter().flatten().filter(|sole| !sole.is_link).count();
+        soles[number..].sort_by(|a, b| natural_key(&a.name).cmp(&natural_key(&b.name)));
         Some(Self {
             span: (first, last),
             height: log.motion.as_ref().map_or_else(Vec::new, |m| series(&mut m.base_position.iter().map(|p| p.z))),
-            soles: log.soles.iter().flatten().map(sole).collect(),
+            soles,
         })
     }
+}
+
+/// Texts and the numbers after them in a name, for an order in which 2 comes before 10.
+fn natural_key(name: &str) -> Vec<(&str, u64)> {
+    let mut key = Vec::new();
+    let mut rest = name;
+    while !rest.is_empty() {
+        let digits = rest.find(|c: char| c.is_ascii_digit()).unwrap_or(rest.len());
+        let (text, tail) = rest.split_at(digits);
+        let (number, tail) = tail.split_at(tail.find(|c: char| !c.is_ascii_digit()).unwrap_or(tail.len()));
+        key.push((text, number.parse().unwrap_or(0)));
+        rest = tail;
+    }
+    key
 }
 
 /// The floor's upward normal in the world, from the scenario's tilt.
@@ -154,6 +178,13 @@ mod tests {
         assert_eq!((thinned[0], thinned[thinned.len() - 1]), (points[0], points[9_999]));
         assert!(thinned.windows(2).all(|w| w[0].0 < w[1].0), "in order of time");
         assert_eq!(thin(&points[..900]).len(), 900);
+    }
+
+    #[test]
+    fn names_are_in_the_order_of_their_numbers() {
+        let mut names = ["object.10 on object.11", "object.2 on object.3", "object.0 on floor", "left_hand"];
+        names.sort_by(|a, b| natural_key(a).cmp(&natural_key(b)));
+        assert_eq!(names, ["left_hand", "object.0 on floor", "object.2 on object.3", "object.10 on object.11"]);
     }
 
     #[test]

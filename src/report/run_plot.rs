@@ -1,5 +1,5 @@
-//! Draws a run over time: height of the base, normal force of each sole, and a bar per sole with
-//! its contact states.
+//! Draws a run over time: height of the base, force of each sole and other contact, and a bar for each with its
+//! contact states.
 
 use crate::files::RecordError;
 use crate::report::axis::{Axis, linear};
@@ -15,6 +15,9 @@ const CURVES: u32 = 134;
 const TIME: u32 = 36;
 const STATES: u32 = 26;
 const LEFT: u32 = 76;
+/// Width of a letter of a name, and the number of letters of the longest name that is not shortened.
+const LETTER: u32 = 7;
+const LONGEST: usize = 24;
 
 /// Greatest number of soles drawn.
 const MAX_SOLES: usize = 12;
@@ -32,7 +35,8 @@ pub(super) fn run_over_time(name: &str, history: &History) -> Result<String, Rec
 /// Colour and name of each sole's force.
 pub(super) fn legend(history: &History) -> Vec<(String, String)> {
     let soles = history.soles.iter().take(MAX_SOLES).enumerate();
-    soles.map(|(i, sole)| (sole.name.clone(), swatch(None, palette::curve(i)))).collect()
+    let name = |sole: &SoleHistory| format!("{}{}", sole.name, if sole.is_magnitude { ", magnitude" } else { "" });
+    soles.map(|(i, sole)| (name(sole), swatch(None, palette::curve(i)))).collect()
 }
 
 /// A colour, and values over time, s.
@@ -56,8 +60,9 @@ fn parts(history: &History) -> Vec<Part> {
     }
     let soles: Vec<&SoleHistory> = history.soles.iter().take(MAX_SOLES).collect();
     if !soles.is_empty() {
-        let curves = soles.iter().enumerate().map(|(i, s)| (palette::curve(i), s.normal.clone())).collect();
-        parts.push(Part { height: CURVES, title: "normal force, N", curves: Some(curves), least: 1e-3 });
+        let curves = soles.iter().enumerate().map(|(i, s)| (palette::curve(i), s.force.clone())).collect();
+        let title = if soles.iter().any(|sole| sole.is_magnitude) { "force, N" } else { "normal force, N" };
+        parts.push(Part { height: CURVES, title, curves: Some(curves), least: 1e-3 });
         let height = STATES * soles.len() as u32 + 16;
         parts.push(Part { height, title: "", curves: None, least: 0.0 });
     }
@@ -65,6 +70,8 @@ fn parts(history: &History) -> Vec<Part> {
 }
 
 fn draw(history: &History, parts: &[Part], area: &Area, overlay: &mut Overlay) -> Result<(), DrawError> {
+    let names = history.soles.iter().take(MAX_SOLES).map(|sole| sole.name.chars().count().min(LONGEST));
+    let margin = LEFT.max(30 + LETTER * names.max().unwrap_or(0) as u32);
     let text_of = |e: &dyn std::fmt::Display| e.to_string();
     let (from, to) = history.span;
     let time = linear([from, to].into_iter(), 8, 1e-6);
@@ -87,7 +94,7 @@ fn draw(history: &History, parts: &[Part], area: &Area, overlay: &mut Overlay) -
             .margin_top(12 * SCALE)
             .margin_right(14 * SCALE)
             .x_label_area_size(below * SCALE)
-            .y_label_area_size(LEFT * SCALE)
+            .y_label_area_size(margin * SCALE)
             .build_cartesian_2d(time.clone(), y.clone())
             .map_err(|e| text_of(&e))?;
         let grid = palette::rgb(palette::GRID).stroke_width(4);
@@ -148,10 +155,9 @@ fn band(overlay: &mut Overlay, sole: &str, stay: &Stay, at: &impl Fn(f64, f64) -
 
 /// A name shortened to the margin of the picture.
 fn brief(name: &str) -> String {
-    const LENGTH: usize = 11;
-    if name.chars().count() <= LENGTH {
+    if name.chars().count() <= LONGEST {
         name.to_owned()
     } else {
-        name.chars().take(LENGTH - 1).chain(['…']).collect()
+        name.chars().take(LONGEST - 1).chain(['…']).collect()
     }
 }
