@@ -13,7 +13,7 @@ use crate::robot::{Base, DriveMode, Model};
 use crate::scenario::{Diagnostic, IntegratorMethod, Run};
 
 /// Integrators of accelerations, which locate events.
-const EXPLICIT: &[IntegratorMethod] = &[
+const LOCATING: &[IntegratorMethod] = &[
     IntegratorMethod::Dopri5,
     IntegratorMethod::Rosenbrock,
     IntegratorMethod::Auto,
@@ -46,7 +46,7 @@ pub(super) fn check(run: &Run, errors: &mut Vec<Diagnostic>) {
 /// support.
 pub(super) fn check_restitution(run: &Run, errors: &mut Vec<Diagnostic>) {
     let (contact, integrator) = (&run.scenario.contact, run.scenario.integrator.method);
-    let bounces = contact.method.descriptor().restitution && EXPLICIT.contains(&integrator);
+    let bounces = contact.method.descriptor().restitution && LOCATING.contains(&integrator);
     if contact.restitution > 0.0 && !bounces {
         let message = format!(
             "`contact.restitution` does not work with `contact.method` = \"{}\" and `integrator.method` = \"{}\"",
@@ -54,7 +54,7 @@ pub(super) fn check_restitution(run: &Run, errors: &mut Vec<Diagnostic>) {
             integrator.name()
         );
         let methods = with_method(|method| method.restitution);
-        let help = format!("it works with {methods} and integrator {}", quoted_names(EXPLICIT));
+        let help = format!("it works with {methods} and integrator {}", quoted_names(LOCATING));
         errors.push(run.error_at("contact.restitution", message, Some(help)));
     }
 }

@@ -17,14 +17,16 @@ pub mod rk4;
 pub mod rosenbrock;
 pub mod runge_kutta;
 pub mod step_control;
+pub mod stiff_part;
 
 pub use bs23::BS23;
 pub use dopri5::DOPRI5;
 pub use error_norm::error_norm;
 pub use rk4::RK4;
-pub use rosenbrock::{Rosenbrock, StiffPart};
+pub use rosenbrock::Rosenbrock;
 pub use runge_kutta::{RungeKutta, Tableau};
 pub use step_control::StepControl;
+pub use stiff_part::StiffPart;
 
 /// A system of ordinary differential equations dy/dt = f(t, y).
 pub trait System {

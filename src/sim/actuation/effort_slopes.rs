@@ -18,6 +18,8 @@ pub struct DrivesAt<'a> {
     pub model: &'a Model,
     /// Their efforts at the state.
     pub drives: &'a Drives,
+    /// Efforts of friction and stops at the state.
+    pub passive: &'a [f64],
     /// Their stops, if there are any.
     pub stops: Option<&'a [JointStop]>,
     /// Positions.

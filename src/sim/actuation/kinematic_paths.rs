@@ -112,6 +112,11 @@ impl KinematicPaths {
         &self.tracked
     }
 
+    /// The commands that drives follow: those of the tick, or interpolated ones.
+    pub fn followed<'a>(&self, held: &'a Command, interpolated: &'a Command) -> &'a Command {
+        if self.tracked.is_empty() { held } else { interpolated }
+    }
+
     /// Plans the paths of a tick of length `period` that begins at the state's time. `next` is the
     /// time of the next command, if there is one.
     pub fn plan(&mut self, model: &Model, command: &Command, state: &State, period: f64, next: Option<f64>) {

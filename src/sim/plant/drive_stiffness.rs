@@ -66,7 +66,7 @@ impl DriveStiffness {
         let mut product = 0;
         for (at, [servo, passive]) in self.joints.iter().zip(&self.slopes) {
             let (q, v) = plant.layout.joint(at.mechanism, at.joint);
-            let rate = plant.mechanism_rates(at.mechanism)[at.joint];
+            let rate = plant.drives_at(at.mechanism).rates[at.joint];
             let (row, column) = out.product(product);
             let [k, d] = if at.lag.is_some() { *passive } else { std::array::from_fn(|i| servo[i] + passive[i]) };
             row.clear();
@@ -98,9 +98,10 @@ impl DriveStiffness {
         for (flow, sign) in [(0, 1.0), (2, -1.0)] {
             let Some((row, column)) = out.add() else { return };
             column[flows + flow] = sign;
-            for at in self.joints.iter().filter(|at| at.mechanism == 0) {
-                let effort = if flow == 0 { plant.drives.efforts[at.joint] } else { plant.passive[at.joint] };
-                row.push((plant.layout.joint(0, at.joint).1, effort));
+            for at in &self.joints {
+                let drives = plant.drives_at(at.mechanism);
+                let efforts = if flow == 0 { &drives.drives.efforts } else { drives.passive };
+                row.push((plant.layout.joint(at.mechanism, at.joint).1, efforts[at.joint]));
             }
         }
     }
@@ -129,7 +130,6 @@ impl DriveStiffness {
     /// Products with new responses, and N.
     fn renew(&mut self, plant: &mut Plant, out: &mut StiffPart) {
         out.clear();
-        out.rates.clear();
         self.before.motions.clone_from(&plant.problem.b);
         self.before.accelerations.clone_from(&plant.acceleration);
         self.before.powers = plant.powers();
@@ -164,6 +164,7 @@ impl Plant {
             0 => DrivesAt {
                 model: &self.model,
                 drives: &self.drives,
+                passive: &self.passive,
                 stops: self.stops.as_deref(),
                 joints: &self.state.joints,
                 rates: &self.state.v[self.model.nb()..],
@@ -177,17 +178,6 @@ impl Plant {
     fn desired_motion(&self, mechanism: usize, joint: usize) -> Option<JointMotion> {
         let is_tracked = mechanism == 0 && self.kinematic_paths.tracked().contains(&joint);
         is_tracked.then(|| self.kinematic_paths.at(joint, self.state.time, self.within))
-    }
-
-    /// Velocities of the joints of a mechanism.
-    fn mechanism_rates(&self, mechanism: usize) -> &[f64] {
-        match mechanism {
-            0 => &self.state.v[self.model.nb()..],
-            _ => {
-                let object = &self.objects.list[mechanism - 1];
-                &object.state.v[object.model.nb()..]
-            }
-        }
     }
 
     /// Change of accelerations and powers per unit effort of a joint, contact states held, from the evaluation

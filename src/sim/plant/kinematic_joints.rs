@@ -14,6 +14,7 @@
 
 use super::Plant;
 use crate::dynamics::reduced;
+use crate::task::Command;
 
 /// Work of a velocity jump, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,6 +51,23 @@ impl Plant {
         let nb = self.model.nb();
         self.reduced.prescribed.clear();
         self.reduced.prescribed.extend(self.kinematic_paths.joints().iter().map(|j| nb + j));
+    }
+
+    /// The commands that the drives followed in the last evaluation.
+    pub fn followed_command(&self) -> &Command {
+        self.kinematic_paths.followed(&self.command, &self.interpolated)
+    }
+
+    /// Puts desired motions on their paths, `ahead` seconds after the state.
+    pub(super) fn interpolate_command(&mut self, ahead: f64) {
+        if self.kinematic_paths.tracked().is_empty() {
+            return;
+        }
+        self.interpolated.copy_from(&self.command);
+        for &j in self.kinematic_paths.tracked() {
+            let motion = self.kinematic_paths.at(j, self.state.time + ahead, self.within);
+            (self.interpolated.position[j], self.interpolated.velocity[j]) = (motion.q, motion.qd);
+        }
     }
 
     /// Prescribed acceleration of each kinematic joint at the present state, or over a step of size

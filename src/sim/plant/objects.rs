@@ -152,6 +152,7 @@ impl Object {
         DrivesAt {
             model: &self.model,
             drives: &self.drives,
+            passive: &self.passive,
             stops: self.stops.as_deref(),
             joints: &self.state.joints,
             rates: &self.state.v[self.model.nb()..],

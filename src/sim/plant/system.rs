@@ -96,7 +96,7 @@ pub struct Plant {
     /// Joint commands.
     pub command: Command,
     /// Those of the last evaluation, if servos follow a path between two commands.
-    interpolated: Command,
+    pub(super) interpolated: Command,
     /// Stiffness of the joint stops; none when limits are ignored.
     pub stops: Option<Vec<JointStop>>,
     /// State of the last evaluation.
@@ -320,23 +320,6 @@ impl Plant {
         kinematics::update(&self.model, &self.state, &mut self.ws);
     }
 
-    /// The commands that the drives followed in the last evaluation.
-    pub fn followed_command(&self) -> &Command {
-        if self.kinematic_paths.tracked().is_empty() { &self.command } else { &self.interpolated }
-    }
-
-    /// Puts desired motions on their paths, `ahead` seconds after the state.
-    fn interpolate_command(&mut self, ahead: f64) {
-        if self.kinematic_paths.tracked().is_empty() {
-            return;
-        }
-        self.interpolated.copy_from(&self.command);
-        for &j in self.kinematic_paths.tracked() {
-            let motion = self.kinematic_paths.at(j, self.state.time + ahead, self.within);
-            (self.interpolated.position[j], self.interpolated.velocity[j]) = (motion.q, motion.qd);
-        }
-    }
-
     /// Fills tau with actuators, passive joint efforts and external forces. With a step size the
     /// position servo is referred to the position that the present velocity leads to, as the
     /// implicit step requires.
@@ -344,9 +327,7 @@ impl Plant {
         let nb = self.model.nb();
         self.interpolate_command(dt.unwrap_or(0.0));
         let (joints, rates) = (&self.state.joints, &self.state.v[nb..]);
-        // Not `followed_command`: the drives are borrowed too.
-        let is_held = self.kinematic_paths.tracked().is_empty();
-        let command = if is_held { &self.command } else { &self.interpolated };
+        let command = self.kinematic_paths.followed(&self.command, &self.interpolated);
         self.drives.evaluate(&self.model, joints, rates, &self.state.actuators, command, dt);
         self.passive.fill(0.0);
         let stops = self.stops.as_deref();

@@ -114,9 +114,7 @@ impl MethodPair {
 
     /// Resets the size of stiff steps after a jump of the equations.
     pub fn restart(&mut self) {
-        if let Some(StepSize::Controlled { max_step, h, .. }) = &mut self.stiff_size {
-            *h = if self.drives.are_implicit { FIRST_OF_DRIVES } else { FIRST }.min(*max_step);
-        }
+        self.begin_stiff_steps(if self.drives.are_implicit { FIRST_OF_DRIVES } else { FIRST });
         self.drives.age = KEPT;
     }
 
@@ -144,7 +142,6 @@ impl MethodPair {
             return h;
         }
         self.stiff.stiff.clear();
-        self.stiff.stiff.rates.clear();
         plant.friction_stiffness(&mut self.stiff.stiff);
         self.stiff.stiff.complete();
         let limit = STABLE / self.stiff.stiff.rate();
@@ -212,7 +209,7 @@ impl MethodPair {
                 if factor.is_none() && self.drives.choice == ImplicitDrives::Auto {
                     let rate = self.explicit.rate_estimate(layout.controlled());
                     if self.drives.count_explicit(rate.map_or(0.0, |rate| h * rate)) {
-                        self.restart_with(h);
+                        self.begin_stiff_steps(h);
                     }
                 }
                 factor
@@ -220,8 +217,8 @@ impl MethodPair {
         }
     }
 
-    /// Gives the Rosenbrock method its first step.
-    fn restart_with(&mut self, size: f64) {
+    /// Sets the size of the next step of the Rosenbrock method.
+    fn begin_stiff_steps(&mut self, size: f64) {
         if let Some(StepSize::Controlled { max_step, h, .. }) = &mut self.stiff_size {
             *h = size.min(*max_step);
         }

@@ -1,0 +1,148 @@
+//! The stiff part of a Jacobian, of low rank, for [`Rosenbrock`](super::Rosenbrock), whose symbols it has.
+
+use crate::math;
+
+/// Index and value of the entries of a row that are not zero.
+pub type SparseRow = Vec<(usize, f64)>;
+
+/// The stiff part of a Jacobian, a sum of products of a column and a row, and rates of positions.
+#[derive(Clone, Debug)]
+pub struct StiffPart {
+    /// Columns u_r, each as long as the system.
+    pub(super) columns: Vec<Vec<f64>>,
+    /// Rows v_r.
+    pub(super) rows: Vec<SparseRow>,
+    /// Number of products in use.
+    pub(super) rank: usize,
+    /// N: entries with row, column and value. No column is the row of another.
+    pub rates: Vec<(usize, usize, f64)>,
+    /// T, as long as the system; empty if it is zero.
+    pub by_time: Vec<f64>,
+    /// V^T U and V^T N U, by rows.
+    pub(super) products: Vec<[f64; 2]>,
+    /// A row of V^T N.
+    lifted: SparseRow,
+    /// Vectors of a power iteration.
+    iterates: [Vec<f64>; 2],
+}
+
+impl StiffPart {
+    /// An empty part of systems of `n` equations, with room for `rank` products.
+    pub fn new(n: usize, rank: usize) -> Self {
+        StiffPart {
+            columns: vec![vec![0.0; n]; rank],
+            rows: vec![Vec::with_capacity(n); rank],
+            rank: 0,
+            rates: Vec::with_capacity(n),
+            by_time: Vec::with_capacity(n),
+            products: Vec::with_capacity(rank * rank),
+            lifted: Vec::with_capacity(n),
+            iterates: [Vec::with_capacity(rank), Vec::with_capacity(rank)],
+        }
+    }
+
+    /// Removes all products, N and T.
+    pub fn clear(&mut self) {
+        self.rank = 0;
+        self.rates.clear();
+        self.by_time.clear();
+    }
+
+    /// Adds `factor` times the column of a product to T.
+    pub fn add_by_time(&mut self, r: usize, factor: f64) {
+        let column = &self.columns[r];
+        self.by_time.resize(column.len(), 0.0);
+        self.by_time.iter_mut().zip(column).for_each(|(t, u)| *t += factor * u);
+    }
+
+    /// Keeps the first products.
+    pub fn truncate(&mut self, rank: usize) {
+        self.rank = self.rank.min(rank);
+    }
+
+    /// Number of products.
+    pub fn rank(&self) -> usize {
+        self.rank
+    }
+
+    /// Adds a product of zeros and returns its row and its column; none if there is no room.
+    pub fn add(&mut self) -> Option<(&mut SparseRow, &mut [f64])> {
+        let (row, column) = (self.rows.get_mut(self.rank)?, &mut self.columns[self.rank]);
+        self.rank += 1;
+        row.clear();
+        column.fill(0.0);
+        Some((row, column))
+    }
+
+    /// Row and column of a product.
+    pub fn product(&mut self, r: usize) -> (&mut SparseRow, &mut [f64]) {
+        (&mut self.rows[r], &mut self.columns[r])
+    }
+
+    /// Computes the products of rows and columns; needed after all were set.
+    pub fn complete(&mut self) {
+        self.products.clear();
+        for row in &self.rows[..self.rank] {
+            self.lifted.clear();
+            for (i, x) in row {
+                let entries = self.rates.iter().filter(|(to, _, _)| to == i);
+                self.lifted.extend(entries.map(|(_, from, value)| (*from, value * x)));
+            }
+            let product = |column: &Vec<f64>| [sparse_dot(row, column), sparse_dot(&self.lifted, column)];
+            self.products.extend(self.columns[..self.rank].iter().map(product));
+        }
+    }
+
+    /// Upper bound of the modulus of the eigenvalues of the products, 1/s: the norm of V^T U. Needs
+    /// [`complete`](Self::complete).
+    pub fn rate(&self) -> f64 {
+        let square = |row: &[[f64; 2]]| row.iter().map(|[direct, _]| math::powi(*direct, 2)).sum::<f64>();
+        self.products.chunks(self.rank.max(1)).map(square).sum::<f64>().sqrt()
+    }
+
+    /// Estimate of the modulus of the eigenvalues of A, 1/s, from those of `V^T U` and `V^T N U`, d and k: the greater
+    /// root of `x^2 = d x + k`. Needs [`complete`](Self::complete).
+    pub fn rate_bound(&mut self) -> f64 {
+        let [d, k] = [0, 1].map(|part| self.greatest_eigenvalue(part));
+        0.5 * (d + (d * d + 4.0 * k).sqrt())
+    }
+
+    /// Modulus of the greatest eigenvalue of `V^T U` (0) or `V^T N U` (1), after some power iterations.
+    fn greatest_eigenvalue(&mut self, part: usize) -> f64 {
+        let n = self.rank;
+        let [x, y] = &mut self.iterates;
+        x.clear();
+        x.extend((0..n).map(|i| 1.0 + i as f64 / n as f64));
+        let mut value = 0.0;
+        for _ in 0..6 {
+            let length = x.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if !(length > 0.0) {
+                return value;
+            }
+            let row = |r: usize| (0..n).map(|c| self.products[r * n + c][part] * x[c]).sum::<f64>() / length;
+            y.clear();
+            y.extend((0..n).map(row));
+            std::mem::swap(x, y);
+            value = x.iter().map(|x| x * x).sum::<f64>().sqrt();
+        }
+        value
+    }
+
+    /// Adds `factor * A x` to `out`.
+    pub(super) fn add_product(&self, factor: f64, x: &[f64], out: &mut [f64]) {
+        for (column, row) in self.columns.iter().zip(&self.rows).take(self.rank) {
+            let weight = factor * sparse_dot(row, x);
+            out.iter_mut().zip(column).for_each(|(o, u)| *o += weight * u);
+        }
+        self.rates.iter().for_each(|(to, from, value)| out[*to] += factor * value * x[*from]);
+    }
+
+    /// Replaces x by `(1 + factor N) x`.
+    pub(super) fn add_rates(&self, factor: f64, x: &mut [f64]) {
+        self.rates.iter().for_each(|(to, from, value)| x[*to] += factor * value * x[*from]);
+    }
+}
+
+pub(super) fn sparse_dot(row: &[(usize, f64)], x: &[f64]) -> f64 {
+    row.iter().map(|(i, v)| v * x[*i]).sum()
+}
