@@ -8,12 +8,15 @@ use divan::{Bencher, black_box};
 mod collision;
 mod dynamics;
 mod objects;
+mod ratios;
 mod scripts;
+mod standing;
 mod stepping;
 mod watched;
 
 fn main() {
     divan::main();
+    ratios::main();
 }
 
 /// Times `f` on one robot.

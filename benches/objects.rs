@@ -1,6 +1,6 @@
 //! Boxes at rest, apart on the floor or in a stack, and HOAP-2 lying on it: fixed steps of 1 ms with `exact`.
 
-use super::stepping::{after, setup_of};
+use super::standing::{after, parsed};
 use divan::Bencher;
 use std::fmt::Write;
 use std::path::Path;
@@ -10,7 +10,7 @@ use stiction::sim::{NullObserver, Simulation};
 fn scene(name: &str, text: &str, steps: usize) -> Simulation {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = format!("duration = 1e6\nintegrator = {{ method = \"semi-implicit\", step = 1e-3 }}\n{text}");
-    after(setup_of(&root.join(name), &text), steps)
+    after(parsed(&root.join(name), &text), steps)
 }
 
 fn boxes(at: impl Fn(usize) -> [f64; 3], count: usize) -> Simulation {

@@ -1,8 +1,9 @@
-//! Dynamics algorithms on HOAP-2 (31 velocities) and on a humanoid of Unitree G1's or Talos' size
-//! (35), each with two soles of four vertices.
+//! Dynamics algorithms on HOAP-2 (31 velocities), on a humanoid of Unitree G1's size (35) and on the
+//! robots of `standing.toml`, each with two soles.
 
 mod humanoid;
 
+use super::standing;
 use divan::Bencher;
 use humanoid::humanoid;
 use nalgebra::{Matrix3, Vector3};
@@ -11,7 +12,12 @@ use stiction::dynamics::{self, Reduced, State, Workspace, aba, crba, factor, kin
 use stiction::robot::Model;
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
-const ROBOTS: [&str; 2] = ["hoap2", "humanoid"];
+
+/// Names of the robots that are there.
+fn robots() -> Vec<String> {
+    let other = standing::robots().into_iter().map(|robot| robot.name).filter(|name| name != "hoap2");
+    ["hoap2", "humanoid"].map(str::to_owned).into_iter().chain(other).collect()
+}
 
 struct Setup {
     model: Model,
@@ -27,7 +33,11 @@ fn setup(robot: &str) -> Setup {
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.toml");
             stiction::robot::load(&path).expect("our own robot").model
         }
-        _ => humanoid([6, 7, 3]),
+        "humanoid" => humanoid([6, 7, 3]),
+        _ => {
+            let named = standing::robots().into_iter().find(|other| other.name == robot);
+            stiction::robot::load(&named.expect("in the list").file).expect("a robot").model
+        }
     };
     let mut state = State::home(&model);
     for (i, q) in state.joints.iter_mut().enumerate() {
@@ -42,15 +52,15 @@ fn setup(robot: &str) -> Setup {
     Setup { model, state, ws, tau, out }
 }
 
-#[divan::bench(args = ROBOTS)]
-fn kinematics(bencher: Bencher, robot: &str) {
+#[divan::bench(args = robots())]
+fn kinematics(bencher: Bencher, robot: &String) {
     let mut s = setup(robot);
     super::each(bencher, || kinematics::update(&s.model, &s.state, &mut s.ws));
 }
 
 /// Kinematics and the bias force.
-#[divan::bench(args = ROBOTS)]
-fn rnea(bencher: Bencher, robot: &str) {
+#[divan::bench(args = robots())]
+fn rnea(bencher: Bencher, robot: &String) {
     let mut s = setup(robot);
     super::each(bencher, || {
         kinematics::update(&s.model, &s.state, &mut s.ws);
@@ -59,8 +69,8 @@ fn rnea(bencher: Bencher, robot: &str) {
 }
 
 /// Positions, mass matrix and its factor.
-#[divan::bench(args = ROBOTS)]
-fn crba_and_factor(bencher: Bencher, robot: &str) {
+#[divan::bench(args = robots())]
+fn crba_and_factor(bencher: Bencher, robot: &String) {
     let mut s = setup(robot);
     super::each(bencher, || {
         kinematics::positions(&s.model, &s.state, &mut s.ws);
@@ -70,8 +80,8 @@ fn crba_and_factor(bencher: Bencher, robot: &str) {
 }
 
 /// Kinematics and articulated bodies.
-#[divan::bench(args = ROBOTS)]
-fn aba(bencher: Bencher, robot: &str) {
+#[divan::bench(args = robots())]
+fn aba(bencher: Bencher, robot: &String) {
     let mut s = setup(robot);
     super::each(bencher, || {
         kinematics::update(&s.model, &s.state, &mut s.ws);
@@ -80,8 +90,8 @@ fn aba(bencher: Bencher, robot: &str) {
 }
 
 /// The reduced problem alone, for a prepared state.
-#[divan::bench(args = ROBOTS)]
-fn reduced_problem(bencher: Bencher, robot: &str) {
+#[divan::bench(args = robots())]
+fn reduced_problem(bencher: Bencher, robot: &String) {
     let s = setup(robot);
     let mut problem = Reduced::new(&s.model, &s.ws);
     super::each(bencher, || reduced::assemble(&s.ws, &Matrix3::identity(), &s.tau, &mut problem));
@@ -89,8 +99,8 @@ fn reduced_problem(bencher: Bencher, robot: &str) {
 
 /// The full evaluation from the state to the acceleration with both soles clamped: kinematics, h,
 /// M, factor, W, a0, a Cholesky solve for the wrenches, the acceleration.
-#[divan::bench(args = ROBOTS)]
-fn constrained_forward_dynamics(bencher: Bencher, robot: &str) {
+#[divan::bench(args = robots())]
+fn constrained_forward_dynamics(bencher: Bencher, robot: &String) {
     let mut s = setup(robot);
     let mut problem = Reduced::new(&s.model, &s.ws);
     super::each(bencher, || {

@@ -10,7 +10,10 @@ use crate::scenario::{InertiaSpec, Run};
 /// The robots of a batch.
 #[derive(Default)]
 pub(in crate::batch) struct Robots {
+    /// By the file's canonical path.
     loaded: HashMap<(PathBuf, Option<InertiaPolicy>), Result<Arc<Robot>, RobotError>>,
+    /// Canonical paths; resolving one costs system calls for each of its folders.
+    canonical: HashMap<PathBuf, PathBuf>,
 }
 
 impl Robots {
@@ -29,7 +32,14 @@ impl Robots {
             InertiaSpec::Refuse => InertiaPolicy::Refuse,
             InertiaSpec::Repair => InertiaPolicy::Repair,
         });
-        let identity = (path.canonicalize().unwrap_or_else(|_| path.to_owned()), policy);
-        self.loaded.entry(identity).or_insert_with(|| robot::load_with(path, policy).map(Arc::new)).clone()
+        let canonical = match self.canonical.get(path) {
+            Some(known) => known.clone(),
+            None => {
+                let found = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+                self.canonical.insert(path.to_owned(), found.clone());
+                found
+            }
+        };
+        self.loaded.entry((canonical, policy)).or_insert_with(|| robot::load_with(path, policy).map(Arc::new)).clone()
     }
 }

@@ -1,5 +1,6 @@
 //! Executes one job and writes its record.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::batch::plan::input_hashes::input_hashes;
@@ -82,6 +83,9 @@ pub(in crate::batch) fn run(
 
 /// Removes an earlier record and log: a record exists only once its run has ended.
 fn clear(folder: &Path) {
+    if folder.symlink_metadata().is_err_and(|error| error.kind() == ErrorKind::NotFound) {
+        return;
+    }
     remove_partial(folder);
     for name in [names::RUN_RECORD, names::LOG] {
         // Writing the new file reports an obstacle that cannot be removed.

@@ -8,6 +8,7 @@ use crate::sim::{AvoidanceTime, Outcome};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::path::Path;
+use std::sync::OnceLock;
 
 /// Format version of `run.json`.
 pub const RUN_SCHEMA: u32 = 1;
@@ -118,11 +119,10 @@ pub struct Machine {
 impl Machine {
     /// This machine.
     pub fn here() -> Self {
-        Self {
-            os: std::env::consts::OS.to_owned(),
-            arch: std::env::consts::ARCH.to_owned(),
-            cpus: std::thread::available_parallelism().map_or(1, usize::from),
-        }
+        // Reading the limits of the process opens several files, which short runs would notice.
+        static CPUS: OnceLock<usize> = OnceLock::new();
+        let cpus = *CPUS.get_or_init(|| std::thread::available_parallelism().map_or(1, usize::from));
+        Self { os: std::env::consts::OS.to_owned(), arch: std::env::consts::ARCH.to_owned(), cpus }
     }
 }
 
