@@ -53,7 +53,7 @@ class Standing:
             within = lambda parts: any(part in joint.name for part in parts)
             kp = robot["gain"] * (1.0 if within(robot["legs"]) else 0.3)
             joint.armature, joint.limited = 5e-5 * kp, mujoco.mjtLimited.mjLIMITED_FALSE
-            joint.damping, joint.frictionloss = 0.0, 0.0
+            joint.damping, joint.frictionloss = numpy.zeros(3), 0.0
             servo = spec.add_actuator(name=joint.name, target=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
             servo.gainprm[0], servo.biastype = kp, mujoco.mjtBias.mjBIAS_AFFINE
             servo.biasprm[1], servo.biasprm[2] = -kp, -0.03 * kp

@@ -31,9 +31,8 @@ impl fmt::Display for Values {
     }
 }
 
-/// Results of each case in each round: `rounds[round][case]`. A first round warms up and is dropped.
-pub fn rounds<T>(count: usize, cases: &mut [Box<dyn FnMut() -> T + '_>]) -> Vec<Vec<T>> {
-    let mut rounds: Vec<Vec<T>> = (0..=count).map(|_| cases.iter_mut().map(|case| case()).collect()).collect();
-    rounds.remove(0);
-    rounds
+/// Results of each case in each round: `rounds[round][case]`. The first `dropped` rounds warm up.
+pub fn rounds<T>(dropped: usize, count: usize, cases: &mut [Box<dyn FnMut() -> T + '_>]) -> Vec<Vec<T>> {
+    let all = (0..dropped + count).map(|_| cases.iter_mut().map(|case| case()).collect());
+    all.skip(dropped).collect()
 }

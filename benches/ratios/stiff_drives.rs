@@ -40,7 +40,9 @@ fn simulation(robot: &Standing, motion: &Motion, method: &str) -> Simulation {
 }
 
 pub fn print() {
-    println!("\n## Stiff drives, us of one core per simulated ms: minimum (median); ratios: median (least to greatest)\n");
+    println!(
+        "\n## Stiff drives, us of one core per simulated ms: minimum (median); ratios: median (least to greatest)\n"
+    );
     println!("| robot | motion | {} | dopri5 / rosenbrock | dopri5 / auto |", METHODS.join(" | "));
     println!("|---|---|---|---|---|---|---|");
     for robot in standing::robots().iter().filter(|robot| robot.name != "talos") {
@@ -60,7 +62,7 @@ fn row(robot: &Standing, motion: &Motion) {
             begin.elapsed().as_secs_f64() / SLICE * 1e3
         })
     };
-    let times = rounds(ROUNDS, &mut METHODS.map(case));
+    let times = rounds(1, ROUNDS, &mut METHODS.map(case));
     let of = |value: &dyn Fn(&[f64]) -> f64| Values::new(times.iter().map(|round| value(round)).collect());
     let cells = [0, 1, 2].map(|i| {
         let values = of(&|round| round[i]);
