@@ -13,10 +13,10 @@ use stiction::robot::Model;
 
 const GRAVITY: Vector3<f64> = Vector3::new(0.0, 0.0, -9.81);
 
-/// Names of the robots that are there.
-fn robots() -> Vec<String> {
-    let other = standing::robots().into_iter().map(|robot| robot.name).filter(|name| name != "hoap2");
-    ["hoap2", "humanoid"].map(str::to_owned).into_iter().chain(other).collect()
+/// Names of the robots that are there; they live as long as the program.
+fn robots() -> Vec<&'static str> {
+    let others = standing::robots().into_iter().map(|robot| &*robot.name.leak()).filter(|name| *name != "hoap2");
+    ["hoap2", "humanoid"].into_iter().chain(others).collect()
 }
 
 struct Setup {
@@ -53,14 +53,14 @@ fn setup(robot: &str) -> Setup {
 }
 
 #[divan::bench(args = robots())]
-fn kinematics(bencher: Bencher, robot: &String) {
+fn kinematics(bencher: Bencher, robot: &str) {
     let mut s = setup(robot);
     super::each(bencher, || kinematics::update(&s.model, &s.state, &mut s.ws));
 }
 
 /// Kinematics and the bias force.
 #[divan::bench(args = robots())]
-fn rnea(bencher: Bencher, robot: &String) {
+fn rnea(bencher: Bencher, robot: &str) {
     let mut s = setup(robot);
     super::each(bencher, || {
         kinematics::update(&s.model, &s.state, &mut s.ws);
@@ -70,7 +70,7 @@ fn rnea(bencher: Bencher, robot: &String) {
 
 /// Positions, mass matrix and its factor.
 #[divan::bench(args = robots())]
-fn crba_and_factor(bencher: Bencher, robot: &String) {
+fn crba_and_factor(bencher: Bencher, robot: &str) {
     let mut s = setup(robot);
     super::each(bencher, || {
         kinematics::positions(&s.model, &s.state, &mut s.ws);
@@ -81,7 +81,7 @@ fn crba_and_factor(bencher: Bencher, robot: &String) {
 
 /// Kinematics and articulated bodies.
 #[divan::bench(args = robots())]
-fn aba(bencher: Bencher, robot: &String) {
+fn aba(bencher: Bencher, robot: &str) {
     let mut s = setup(robot);
     super::each(bencher, || {
         kinematics::update(&s.model, &s.state, &mut s.ws);
@@ -91,7 +91,7 @@ fn aba(bencher: Bencher, robot: &String) {
 
 /// The reduced problem alone, for a prepared state.
 #[divan::bench(args = robots())]
-fn reduced_problem(bencher: Bencher, robot: &String) {
+fn reduced_problem(bencher: Bencher, robot: &str) {
     let s = setup(robot);
     let mut problem = Reduced::new(&s.model, &s.ws);
     super::each(bencher, || reduced::assemble(&s.ws, &Matrix3::identity(), &s.tau, &mut problem));
@@ -100,7 +100,7 @@ fn reduced_problem(bencher: Bencher, robot: &String) {
 /// The full evaluation from the state to the acceleration with both soles clamped: kinematics, h,
 /// M, factor, W, a0, a Cholesky solve for the wrenches, the acceleration.
 #[divan::bench(args = robots())]
-fn constrained_forward_dynamics(bencher: Bencher, robot: &String) {
+fn constrained_forward_dynamics(bencher: Bencher, robot: &str) {
     let mut s = setup(robot);
     let mut problem = Reduced::new(&s.model, &s.ws);
     super::each(bencher, || {
