@@ -94,7 +94,7 @@ def bench(robots):
 
 def add_ours(times, program, environment, filters):
     """Reads the tree that divan prints: `|- name  fastest | slowest | median | mean | ...`."""
-    command = [program, "--bench", *filters, "--max-time", "0.3", "--color", "never"]
+    command = [program, "--bench", *filters, "--sample-count", "1000", "--color", "never"]
     output = subprocess.run(command, cwd=ROOT, env=environment, check=True, stdout=subprocess.PIPE, text=True).stdout
     path = []
     for line in output.splitlines():
@@ -209,7 +209,7 @@ def main():
                 add_pinocchio(times, pinocchio, paths)
             add_ours(times, program, environment, ["standing_step"])
             for (name, cone), robot in standing.items():
-                samples = robot.sample(20)
+                samples = robot.sample(100)
                 times.add(("mujoco", cone, name), min(samples), statistics.median(samples))
     skipped = [f"{name}: skipped: example-robot-data is not installed" for name in robots if name not in paths]
     lines = [

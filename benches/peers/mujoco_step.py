@@ -11,7 +11,7 @@ from mujoco import rollout
 STEP = 1e-3  # s
 HOLD = 2  # steps between commands
 WARM_UP = 1000  # steps
-SLICE = 250  # steps of a sample
+SLICE = 100  # steps of a sample
 
 
 def urdf_without_shapes(path):

@@ -57,11 +57,11 @@ fn tiny(root: &Path) -> String {
 }
 
 const KINDS: [Kind; 5] = [
+    Kind { name: "10 000 tiny runs", runs: 10_000, log: false, rounds: 6, scenario: tiny },
+    Kind { name: "64 short runs", runs: 64, log: false, rounds: 15, scenario: short },
+    Kind { name: "64 short runs with logs", runs: 64, log: true, rounds: 15, scenario: short },
     Kind { name: "64 runs", runs: 64, log: false, rounds: 3, scenario: long },
     Kind { name: "64 runs with logs", runs: 64, log: true, rounds: 3, scenario: long },
-    Kind { name: "64 short runs", runs: 64, log: false, rounds: 25, scenario: short },
-    Kind { name: "64 short runs with logs", runs: 64, log: true, rounds: 25, scenario: short },
-    Kind { name: "10 000 tiny runs", runs: 10_000, log: false, rounds: 8, scenario: tiny },
 ];
 
 /// Share of one processor that other processes may take.
