@@ -107,7 +107,7 @@ pub mod setup {
     pub use crate::sim::floor::{Floor, patch::Patch};
     pub use crate::sim::self_collision::SelfCollisionSetup;
     pub use crate::sim::sensing::{channel_error::SensorErrors, estimator::EstimatorSetup, imu::Imu};
-    pub use crate::sim::setup::{ContactSetup, Forced, ImplicitDrives, IntegratorSetup, Start};
+    pub use crate::sim::setup::{ContactSetup, Forced, ImplicitSteps, IntegratorSetup, Start};
     pub use crate::sim::{CarriedObject, CommandSource, ScenarioEvent};
     pub use crate::task::TaskServer;
 }

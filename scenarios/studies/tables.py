@@ -83,6 +83,13 @@ def humanoid(rows):
             precision(some, settings, lambda setting: ", ".join(setting.values()), error, ["1e-3", "3e-4", "1e-4", "3e-5"])
 
 
+def servo(rows):
+    settings = ["contact.method", "integrator.method"]
+    for metric in ["error_joint_rms_rad", "error_force_rms_N"]:
+        print(f"{metric}\n")
+        precision(rows, settings, lambda setting: ", ".join(setting.values()), lambda row: number(row, metric), ["1e-3", "1e-4", "3e-5", "1e-5"])
+
+
 def motions(rows):
     pushed = [row["force.0.force"] not in ("[0, 0, 0]", "[0,0,0]", "[0.0, 0.0, 0.0]", "[0.0,0.0,0.0]") for row in rows]
     for title, wanted in [("landing", False), ("push", True)]:
@@ -181,6 +188,7 @@ def pushes(rows):
 STUDIES = {
     "work-precision-block": block,
     "work-precision-hoap2": humanoid,
+    "work-precision-servo": servo,
     "contact-tolerances": tolerances,
     "hoap2-push-limits": pushes,
 }

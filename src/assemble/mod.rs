@@ -40,7 +40,7 @@ use crate::scenario::{
 };
 use crate::sim::Floor;
 use crate::sim::floor::{LinkHull, Patch};
-use crate::sim::setup::{ContactSetup, Forced, ImplicitDrives, IntegratorSetup, Setup};
+use crate::sim::setup::{ContactSetup, Forced, ImplicitSteps, IntegratorSetup, Setup};
 use nalgebra::{Rotation3, Vector3};
 use std::sync::Arc;
 
@@ -212,10 +212,10 @@ fn integrator(spec: &IntegratorSpec) -> IntegratorSetup {
         max_step: spec.max_step,
     };
     match spec.method {
-        IntegratorMethod::Dopri5 => controlled(&DOPRI5, ImplicitDrives::Never),
-        IntegratorMethod::Rosenbrock => controlled(&DOPRI5, ImplicitDrives::Always),
-        IntegratorMethod::Auto => controlled(&DOPRI5, ImplicitDrives::Auto),
-        IntegratorMethod::Bs23 => controlled(&BS23, ImplicitDrives::Never),
+        IntegratorMethod::Dopri5 => controlled(&DOPRI5, ImplicitSteps::Never),
+        IntegratorMethod::Rosenbrock => controlled(&DOPRI5, ImplicitSteps::Always),
+        IntegratorMethod::Auto => controlled(&DOPRI5, ImplicitSteps::Auto),
+        IntegratorMethod::Bs23 => controlled(&BS23, ImplicitSteps::Never),
         IntegratorMethod::Rk4 => IntegratorSetup::Stepped { method: &RK4, step: spec.step },
         IntegratorMethod::SemiImplicit => IntegratorSetup::SemiImplicit { step: spec.step },
     }

@@ -30,6 +30,13 @@ pub fn point_acceleration(ws: &Workspace, link: LinkId, point: &Vector3<f64>) ->
     classical(&l.acceleration, &l.velocity, &(point - ws.position))
 }
 
+/// Acceleration of the link's point that is at `point` without accelerations of the velocities, `J' v`, m/s^2, world
+/// axes. Needs [`super::prepare`].
+pub fn point_drift(ws: &Workspace, link: LinkId, point: &Vector3<f64>) -> Vector3<f64> {
+    let l = &ws.links[link.0];
+    classical(&l.drift, &l.velocity, &(point - ws.position)).linear
+}
+
 /// Classical acceleration of the body point at `r` from O, from the spatial acceleration.
 #[inline(always)]
 pub(super) fn classical(acceleration: &Motion, velocity: &Motion, r: &Vector3<f64>) -> Motion {

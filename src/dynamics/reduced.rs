@@ -447,19 +447,19 @@ pub fn add_point_row(
     }
 }
 
-/// Adds the effect of a generalised force on velocity `k` of a mechanism: to `free`, the accelerations of all
-/// mechanisms, and to `motion`, those of the contacts, 6F. Needs [`assemble`].
-pub fn add_effort<'a>(
+/// Adds the effect of a generalised force on mechanism `m`, given as velocities and efforts: to `free`, the
+/// accelerations of all mechanisms, and to `motion`, those of the contacts, 6F. Needs [`assemble`].
+pub fn add_efforts<'a>(
     ws: impl Into<Mechanisms<'a>>,
     reduced: &mut Reduced,
-    (m, k): (usize, usize),
-    effort: f64,
+    m: usize,
+    efforts: impl Iterator<Item = (usize, f64)>,
     (free, motion): (&mut [f64], &mut [f64]),
 ) {
     let ws = ws.into();
     let range = reduced.offsets[m]..reduced.offsets[m + 1];
     reduced.half.fill(0.0);
-    reduced.half[range.start + k] = effort;
+    efforts.for_each(|(k, effort)| reduced.half[range.start + k] += effort);
     factor::solve_lt(&ws.get(m).factor, &mut reduced.half[range.clone()]);
     for s in 0..reduced.n {
         for side in reduced.sides[reduced.sides(s)].iter().filter(|side| side.body.mechanism == m) {

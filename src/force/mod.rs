@@ -93,6 +93,28 @@ pub struct Damper {
     pub coefficient: f64,
 }
 
+/// How a force changes with the state, for integrators that take it implicitly.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Slope {
+    /// The effort on a joint decreases by `damping` per change of its velocity, N m s or N s/m.
+    Joint {
+        /// The joint.
+        joint: usize,
+        /// The decrease.
+        damping: f64,
+    },
+    /// The force on a point of a link decreases by `stiffness` per displacement of the point, N/m, and by that of
+    /// the damper per change of its velocity. World axes.
+    Point {
+        /// The point, and its damping.
+        damper: Damper,
+        /// The decrease per displacement.
+        stiffness: Matrix3<f64>,
+        /// Rate of the force at a fixed state, N/s.
+        by_time: Vector3<f64>,
+    },
+}
+
 /// Receives an event of a force model: kind, subject and message.
 pub type ReportEvent<'a> = dyn FnMut(&'static str, &str, String) + 'a;
 
@@ -137,6 +159,13 @@ pub trait Force: Any + Send {
     /// Calls `damper` for each damper between a point of a link and the surroundings: like
     /// [`damping`](Self::damping), but equal in all directions.
     fn dampers(&self, _context: &ForceContext, _damper: &mut dyn FnMut(Damper)) {}
+
+    /// Calls `each` for each slope of its forces at this instant, which need not be exact. The defaults are those of
+    /// the dampers.
+    fn slopes(&self, context: &ForceContext, each: &mut dyn FnMut(Slope)) {
+        let (stiffness, by_time) = (Matrix3::zeros(), Vector3::zeros());
+        self.dampers(context, &mut |damper| each(Slope::Point { damper, stiffness, by_time }));
+    }
 
     /// Corners: times at which its value or slope is discontinuous, s.
     fn corners(&self) -> &[f64] {

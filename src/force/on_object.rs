@@ -1,6 +1,6 @@
 //! A force model that acts on an object instead of the robot.
 
-use super::{AppliedForces, Damper, Force, ForceContext, ForceError, ReportEvent};
+use super::{AppliedForces, Damper, Force, ForceContext, ForceError, ReportEvent, Slope};
 use std::any::Any;
 
 /// A force model of an object. Links and joints of the model are those of the object.
@@ -46,6 +46,10 @@ impl Force for OnObject {
 
     fn dampers(&self, context: &ForceContext, damper: &mut dyn FnMut(Damper)) {
         self.force.dampers(context, damper);
+    }
+
+    fn slopes(&self, context: &ForceContext, each: &mut dyn FnMut(Slope)) {
+        self.force.slopes(context, each);
     }
 
     fn corners(&self) -> &[f64] {

@@ -12,10 +12,10 @@
 
 use super::anchor::Anchor;
 use super::profile::{Profile, Shape};
-use super::{AppliedForces, Damper, Force, ForceContext, ReportEvent};
+use super::{AppliedForces, Damper, Force, ForceContext, ReportEvent, Slope};
 use crate::dynamics::jacobian;
 use crate::robot::LinkId;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use std::any::Any;
 
 /// Parameters of a spring.
@@ -125,6 +125,23 @@ impl Force for Spring {
         if damping > 0.0 && self.span.factor(context.time, context.within) != 0.0 {
             damper(Damper { link, point: self.point(context), coefficient: damping });
         }
+    }
+
+    fn slopes(&self, context: &ForceContext, each: &mut dyn FnMut(Slope)) {
+        if self.span.factor(context.time, context.within) == 0.0 {
+            return;
+        }
+        let SpringParameters { link, stiffness, damping, rest_length, .. } = self.parameters;
+        let point = self.point(context);
+        let (anchor, velocity) = self.anchor.at(context.time, context.within);
+        let d = anchor - point;
+        let length = d.norm();
+        // Along the line k, across it k (1 - l0 / |d|).
+        let share = if rest_length > 0.0 && length > 0.0 { rest_length / length } else { 0.0 };
+        let along = if length > 0.0 { d * d.transpose() / (length * length) } else { Matrix3::zeros() };
+        let stiffness = (Matrix3::identity() * (1.0 - share) + along * share) * stiffness;
+        let damper = Damper { link, point, coefficient: damping };
+        each(Slope::Point { damper, stiffness, by_time: stiffness * velocity });
     }
 
     fn corners(&self) -> &[f64] {

@@ -86,6 +86,16 @@ impl Rosenbrock {
         }
     }
 
+    /// Makes room for a stiff part of `rank` products.
+    pub fn reserve(&mut self, rank: usize) {
+        if rank > self.right.len() {
+            self.stiff.reserve(rank);
+            self.small.resize(rank * rank, 0.0);
+            self.pivots.resize(rank, 0);
+            self.right.resize(rank, 0.0);
+        }
+    }
+
     /// Sets the start of a step and the derivative there; needed before
     /// [`attempt`](Self::attempt) whenever t or y changed. The stiff part is set by the caller.
     pub fn begin(&mut self, y: &[f64], slope: &[f64]) {

@@ -22,6 +22,8 @@ pub struct StiffPart {
     pub(super) products: Vec<[f64; 2]>,
     /// A row of V^T N.
     lifted: SparseRow,
+    /// Zeros, as long as the system.
+    dense: Vec<f64>,
     /// Vectors of a power iteration.
     iterates: [Vec<f64>; 2],
 }
@@ -33,12 +35,24 @@ impl StiffPart {
             columns: vec![vec![0.0; n]; rank],
             rows: vec![Vec::with_capacity(n); rank],
             rank: 0,
-            rates: Vec::with_capacity(n),
+            rates: Vec::with_capacity(2 * n),
             by_time: Vec::with_capacity(n),
             products: Vec::with_capacity(rank * rank),
-            lifted: Vec::with_capacity(n),
+            lifted: Vec::with_capacity(4 * n),
+            dense: vec![0.0; n],
             iterates: [Vec::with_capacity(rank), Vec::with_capacity(rank)],
         }
+    }
+
+    /// Makes room for `rank` products.
+    pub(super) fn reserve(&mut self, rank: usize) {
+        let n = self.dense.len();
+        while self.columns.len() < rank {
+            self.columns.push(vec![0.0; n]);
+            self.rows.push(Vec::with_capacity(n));
+        }
+        self.products.reserve((rank * rank).saturating_sub(self.products.len()));
+        self.iterates.iter_mut().for_each(|list| list.reserve(rank.saturating_sub(list.len())));
     }
 
     /// Removes all products, N and T.
@@ -83,11 +97,11 @@ impl StiffPart {
     pub fn complete(&mut self) {
         self.products.clear();
         for row in &self.rows[..self.rank] {
+            row.iter().for_each(|(i, x)| self.dense[*i] += x);
             self.lifted.clear();
-            for (i, x) in row {
-                let entries = self.rates.iter().filter(|(to, _, _)| to == i);
-                self.lifted.extend(entries.map(|(_, from, value)| (*from, value * x)));
-            }
+            let entries = self.rates.iter().map(|(to, from, value)| (*from, value * self.dense[*to]));
+            self.lifted.extend(entries.filter(|(_, x)| *x != 0.0));
+            row.iter().for_each(|(i, _)| self.dense[*i] = 0.0);
             let product = |column: &Vec<f64>| [sparse_dot(row, column), sparse_dot(&self.lifted, column)];
             self.products.extend(self.columns[..self.rank].iter().map(product));
         }

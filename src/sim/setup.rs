@@ -49,9 +49,9 @@ pub struct ContactSetup {
     pub forced: Vec<Forced>,
 }
 
-/// When drives, joint friction and stops are integrated implicitly.
+/// When drives, joint friction and stops, springs and dampers are integrated implicitly.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum ImplicitDrives {
+pub enum ImplicitSteps {
     /// Never.
     Never,
     /// While they limit the steps of the explicit method.
@@ -73,8 +73,8 @@ pub enum IntegratorSetup {
         absolute: f64,
         /// Largest step, s.
         max_step: f64,
-        /// When a Rosenbrock method takes steps with implicit drives instead.
-        implicit: ImplicitDrives,
+        /// When a Rosenbrock method takes steps with implicit forces instead.
+        implicit: ImplicitSteps,
     },
     /// A Runge-Kutta method in fixed steps, shortened only to end at an event.
     Stepped {
@@ -199,7 +199,7 @@ impl Setup {
                 relative: 1e-6,
                 absolute: 1e-8,
                 max_step: 0.01,
-                implicit: ImplicitDrives::Never,
+                implicit: ImplicitSteps::Never,
             },
             start: Start {
                 position: Vector3::zeros(),

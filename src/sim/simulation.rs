@@ -19,7 +19,7 @@ use super::run_error::RunError;
 use super::saved_state::SavedState;
 use super::self_collision::SelfCollisionMonitor;
 use super::sensing::{Estimator, Sensors};
-use super::setup::{ImplicitDrives, IntegratorSetup, Setup};
+use super::setup::{ImplicitSteps, IntegratorSetup, Setup};
 use super::stepper::step_size::StepSize;
 use super::stepper::{Discontinuity, ExplicitStepper, SemiImplicitStepper, Stepper};
 use super::termination::StallGuard;
@@ -307,7 +307,7 @@ fn stepper(integrator: &IntegratorSetup, plant: &Plant) -> Stepper {
         }
         IntegratorSetup::Stepped { method, step } => {
             let size = StepSize::Fixed(step);
-            Stepper::Explicit(Box::new(ExplicitStepper::new(method, plant, size, ImplicitDrives::Never)))
+            Stepper::Explicit(Box::new(ExplicitStepper::new(method, plant, size, ImplicitSteps::Never)))
         }
         IntegratorSetup::SemiImplicit { step } => Stepper::SemiImplicit(Box::new(SemiImplicitStepper::new(step))),
     }

@@ -131,7 +131,7 @@ fn humanoid(integrator: &str, contact: &str) -> (Vec<f64>, Metrics) {
 #[test]
 fn a_standing_humanoid_with_stiff_servos_moves_as_with_explicit_steps() {
     let tight = "relative_tolerance = 1e-9, absolute_tolerance = 1e-11";
-    for contact in ["exact", "one-step"] {
+    for contact in ["exact", "one-step", "penalty"] {
         let (truth, _) = humanoid(tight, contact);
         let (explicit, of_explicit) = humanoid("method = \"dopri5\"", contact);
         let (found, m) = humanoid("method = \"rosenbrock\"", contact);
@@ -182,5 +182,58 @@ fn a_landing_is_located_with_implicit_steps() {
         // The fall is of order 2, so exact up to rounding.
         assert!((m.first_touchdown_s.expect("it lands") / fall - 1.0).abs() < 1e-12, "{method}");
         assert_eq!((m.impacts, m.inconsistent), (1, 0));
+    }
+}
+
+#[test]
+fn a_compliant_floor_does_not_limit_the_steps() {
+    let stands = |integrator: &str, duration: f64| {
+        let mut sim = support::simulation(&format!(
+            "duration = {duration}
+            log.rate = 0
+            integrator.method = \"{integrator}\"
+            contact.method = \"penalty\"
+            robot.model = \"robots/hoap2/hoap2.toml\"\n"
+        ));
+        let m = finish(&mut sim, &mut NullObserver);
+        (sim.plant().state.position, m)
+    };
+    let (truth, explicit) = stands("dopri5", 0.5);
+    // Friction turns at mu_k N / (m s), 5e4 1/s for the light foot.
+    assert!(explicit.steps > 5000, "{}", explicit.steps);
+    for integrator in ["rosenbrock", "auto"] {
+        let (found, m) = stands(integrator, 0.5);
+        // The absolute tolerance, over the oscillations of the landing.
+        assert!((found - truth).norm() < 1e-8, "{integrator} {}", found - truth);
+        assert!(7 * m.steps < explicit.steps && m.max_energy_error_j < 1e-8, "{integrator} {m:?}");
+        // Once it rests only `max_step` limits the steps.
+        let (_, m) = stands(integrator, 10.0);
+        assert!(m.steps < 3000, "{integrator} {}", m.steps);
+    }
+}
+
+#[test]
+fn viscous_friction_of_any_strength_decays_as_its_closed_form() {
+    // A rate of 5e5 1/s from a force model, and one of 2 1/s from the joint.
+    for (damping, rate) in [(1e5, 5e5), (0.4, 2.0)] {
+        let text = format!(
+            "duration = 1.0
+            gravity = [0, 0, 0]
+            log.rate = 0
+            integrator.method = \"rosenbrock\"
+            robot = {{ model = \"given\", soles = [], joint_default.mode = \"passive\", velocity = {{ axle = 2.0 }} }}
+            [[force]]
+            type = \"joint-friction\"
+            joints.axle.viscous = {damping:?}\n"
+        );
+        let mut sim = simulation(Some(&wheel(INERTIA)), &text, None::<fn(usize, f64) -> [f64; 3]>);
+        let m = finish(&mut sim, &mut NullObserver);
+        let turned = 2.0 / rate * -f64::exp_m1(-rate);
+        // Tolerance 1e-6 relative, 1e-8 absolute.
+        assert!((sim.plant().state.joints[0] - turned).abs() < 1e-6, "{rate}");
+        assert!((sim.plant().state.v[0] - 2.0 * (-rate).exp()).abs() < 1e-6, "{rate}");
+        assert!(m.steps < 1000, "{rate}: {}", m.steps);
+        let lost = 0.5 * INERTIA * (4.0 - sim.plant().state.v[0].powi(2));
+        assert!((m.external_work_j + lost).abs() < 1e-5, "{rate}: {} {lost}", m.external_work_j);
     }
 }

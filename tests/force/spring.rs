@@ -4,6 +4,7 @@ use super::{End, G, fly};
 use crate::analytic::body::Body;
 use crate::analytic::support::{Recording, finish, rk4, simulation};
 use nalgebra::Vector3;
+use stiction::sim::NullObserver;
 
 const K: f64 = 50.0;
 const HANG: [f64; 3] = [0.1, -0.2, 1.0];
@@ -186,4 +187,47 @@ fn attaching_and_releasing_are_events() {
     // Position reached in free fall: 2 - g 0.25^2 / 2.
     assert_eq!(messages[0].message, "attached to (0.0000, 0.0000, 1.6934)");
     assert_eq!(messages[1].message, "released");
+}
+
+#[test]
+fn a_stiff_damper_does_not_limit_implicit_steps() {
+    // Rates of 1e5 and 5 1/s; the anchor moves along x from t = 0.
+    let (k, c, body) = (1e6, 2e5, body());
+    let scenario = |integrator: &str, point: &str, duration: f64| {
+        let robot = body.floating("position = [0.1, 0.2, -0.1]");
+        format!(
+            "duration = {duration}\ngravity = [0, 0, 0]\nlog.rate = 0\n{robot}[integrator]\n{integrator}\n\
+             [[force]]\ntype = \"spring\"\nlink = \"block\"\npoint = {point}\nstiffness = {k}\ndamping = {c}\n\
+             anchor = {{ position = [0, 0, 0] }}\n"
+        )
+    };
+    let end = |text: &str| {
+        let mut sim = simulation(text);
+        let m = finish(&mut sim, &mut NullObserver);
+        let state = &sim.plant().state;
+        (state.position, state.rotation, state.v.clone(), m)
+    };
+    let implicit = "method = \"rosenbrock\"";
+    let (found, _, _, m) = end(&scenario(implicit, "[0, 0, 0]", 1.0));
+    // x'' = -(c x' + k x) / m from rest.
+    let (a, root) = (c / body.mass, (c * c / (body.mass * body.mass) - 4.0 * k / body.mass).sqrt());
+    let (slow, fast) = (2.0 * k / body.mass / (a + root), 0.5 * (a + root));
+    let share = (fast * (-slow).exp() - slow * (-fast).exp()) / (fast - slow);
+    let truth = Vector3::new(0.1, 0.2, -0.1) * share;
+    // Tolerance 1e-6 relative.
+    assert!((found - truth).norm() < 1e-6, "{found} {truth}");
+    // Explicit steps of at most 3.3e-5 s would be 30 000.
+    assert!(m.steps < 1000 && m.max_energy_error_j < 1e-3 * k * 0.03, "{m:?}");
+    // At a corner, where it turns the body by up to 10 rad/s.
+    let ends = |integrator: &str| end(&scenario(integrator, "[0.1, 0.05, -0.03]", 0.05));
+    let (truth, turned, v, explicit) = ends("relative_tolerance = 1e-10\nabsolute_tolerance = 1e-12");
+    for tolerance in [1e-6, 1e-8] {
+        let keys = format!("{implicit}\nrelative_tolerance = {tolerance}\nabsolute_tolerance = {}", 0.01 * tolerance);
+        let (found, rotation, found_v, m) = ends(&keys);
+        let speed = found_v.iter().zip(&v).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let off = [(found - truth).norm(), rotation.angle_to(&turned), speed];
+        // Errors of some 100 steps add up.
+        assert!(off.iter().all(|x| *x < 100.0 * tolerance), "{off:?}");
+        assert!(2 * m.steps < explicit.steps, "{} {}", m.steps, explicit.steps);
+    }
 }

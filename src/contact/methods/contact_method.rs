@@ -9,6 +9,7 @@ use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::States;
 use crate::contact::search::select::Selection;
+use nalgebra::{Matrix3, Vector3};
 use std::fmt::Debug;
 
 pub use crate::contact::search::select::SelectionInput;
@@ -52,6 +53,18 @@ pub struct StoredEnergy {
     pub power: f64,
 }
 
+/// How the force on a vertex of a compliant method changes with its height h, m, and velocity u, m/s, and the power of
+/// the springs with both. Contact axes.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct VertexSlopes {
+    /// df/dh, N/m.
+    pub by_height: Vector3<f64>,
+    /// df/du, N s/m.
+    pub by_velocity: Matrix3<f64>,
+    /// Change of the power of the springs with h, W/m, and with the velocity along the normal, N.
+    pub power: [f64; 2],
+}
+
 /// Solves the contact problems of one run: selects states and computes wrenches. No call allocates.
 pub trait ContactSolver: Send {
     /// How it advances in time.
@@ -89,4 +102,8 @@ pub trait ContactSolver: Send {
     fn stored(&self, _: &Problem) -> StoredEnergy {
         StoredEnergy::default()
     }
+
+    /// Calls `each` with sole, vertex and slopes of every vertex whose force follows from its present height and
+    /// velocity.
+    fn slopes(&self, _: &Problem, _each: &mut dyn FnMut(usize, usize, VertexSlopes)) {}
 }

@@ -252,10 +252,10 @@ impl Default for IntegratorSpec {
 pub enum IntegratorMethod {
     /// Dormand and Prince's embedded Runge-Kutta pair of order 5(4), adaptive.
     Dopri5,
-    /// Rang and Angermann's Rosenbrock pair ROS34PW2 of order 3(2), adaptive: drives, joint friction and stops
-    /// are implicit and do not limit its steps.
+    /// Rang and Angermann's Rosenbrock pair ROS34PW2 of order 3(2), adaptive: drives, joint friction and stops,
+    /// springs and dampers are implicit and do not limit its steps.
     Rosenbrock,
-    /// `dopri5`, or `rosenbrock` while drives limit the steps of `dopri5`.
+    /// `dopri5`, or `rosenbrock` while stiff forces limit the steps of `dopri5`.
     Auto,
     /// Bogacki and Shampine's embedded Runge-Kutta pair of order 3(2), adaptive.
     Bs23,

@@ -13,7 +13,8 @@
 //! positions. Slopes are difference quotients at each step. Responses change slowly with the configuration and are
 //! kept for some steps: W-methods need no exact derivative.
 
-use super::{EnergyFlows, Plant};
+use super::Plant;
+use super::implicit_forces::Evaluation;
 use crate::dynamics::reduced;
 use crate::integrate::StiffPart;
 use crate::robot::Model;
@@ -32,38 +33,23 @@ struct StiffJoint {
     lag: Option<(usize, f64)>,
 }
 
-/// The joints of the stiff part, whose first products are theirs.
+/// The joints of the stiff part.
 #[derive(Clone, Debug, Default)]
-pub struct DriveStiffness {
+pub(super) struct DriveStiffness {
     joints: Vec<StiffJoint>,
     present: Vec<StiffJoint>,
     slopes: Vec<[Slopes; 2]>,
-    before: Evaluation,
-    products: usize,
-}
-
-/// What responses are compared with.
-#[derive(Clone, Debug, Default)]
-struct Evaluation {
-    /// Motions of the contact problem without wrenches.
-    motions: Vec<f64>,
-    accelerations: Vec<f64>,
-    powers: EnergyFlows,
 }
 
 impl DriveStiffness {
-    /// Writes the stiff part at the plant's last evaluation, with the responses of an earlier one unless `renew`, or
-    /// other joints have become stiff. Leaves the evaluation as it was. Returns whether responses are new.
-    pub fn update(&mut self, plant: &mut Plant, renew: bool, out: &mut StiffPart) -> bool {
-        self.find(plant);
-        let renew = renew || self.present != self.joints;
-        if renew {
-            self.joints.clone_from(&self.present);
-            self.renew(plant, out);
-        }
-        out.truncate(self.products);
-        out.by_time.clear();
-        let mut product = 0;
+    /// Most products, with all joints.
+    pub fn most_products(&self, plant: &Plant) -> usize {
+        let of = |model: &Model| model.nj() + model.lagging().count();
+        of(&plant.model) + plant.objects.list.iter().map(|object| of(&object.model)).sum::<usize>()
+    }
+
+    /// Writes the rows of the products from `product` on, at the plant's last evaluation. Returns the next product.
+    pub fn write(&self, plant: &Plant, mut product: usize, out: &mut StiffPart) -> usize {
         for (at, [servo, passive]) in self.joints.iter().zip(&self.slopes) {
             let (q, v) = plant.layout.joint(at.mechanism, at.joint);
             let rate = plant.drives_at(at.mechanism).rates[at.joint];
@@ -88,12 +74,11 @@ impl DriveStiffness {
             }
             product += 1;
         }
-        self.add_powers(plant, out);
-        renew
+        product
     }
 
     /// Products of the flows of energy: the power of an effort depends on the velocity of its joint.
-    fn add_powers(&self, plant: &Plant, out: &mut StiffPart) {
+    pub fn add_powers(&self, plant: &Plant, out: &mut StiffPart) {
         let flows = plant.layout.controlled();
         for (flow, sign) in [(0, 1.0), (2, -1.0)] {
             let Some((row, column)) = out.add() else { return };
@@ -106,8 +91,8 @@ impl DriveStiffness {
         }
     }
 
-    /// The stiff joints and their slopes.
-    fn find(&mut self, plant: &Plant) {
+    /// Finds the stiff joints and their slopes. Returns whether other joints have become stiff.
+    pub fn find(&mut self, plant: &Plant) -> bool {
         self.present.clear();
         self.slopes.clear();
         for mechanism in 0..=plant.objects.list.len() {
@@ -125,40 +110,27 @@ impl DriveStiffness {
                 }
             }
         }
+        self.present != self.joints
     }
 
-    /// Products with new responses, and N.
-    fn renew(&mut self, plant: &mut Plant, out: &mut StiffPart) {
-        out.clear();
-        self.before.motions.clone_from(&plant.problem.b);
-        self.before.accelerations.clone_from(&plant.acceleration);
-        self.before.powers = plant.powers();
+    /// Adds products with new responses for the joints found, and the rates of their positions.
+    pub fn renew(&mut self, plant: &mut Plant, before: &Evaluation, out: &mut StiffPart) {
+        self.joints.clone_from(&self.present);
         for at in &self.joints {
             let (q, v) = plant.layout.joint(at.mechanism, at.joint);
             out.rates.push((q, v, 1.0));
             let Some((_, column)) = out.add() else { break };
-            plant.respond_to_effort(at.mechanism, at.joint, &self.before, column);
+            plant.respond_to_effort(at.mechanism, at.joint, before, column);
             column.iter_mut().for_each(|x| *x = -*x);
             let Some((actuator, _)) = at.lag else { continue };
             let z = plant.layout.actuator(at.mechanism, actuator);
             let Some((_, column)) = out.add() else { break };
             column[z] = -1.0;
         }
-        self.products = out.rank();
-        plant.problem.b.copy_from_slice(&self.before.motions);
-        plant.acceleration.copy_from_slice(&plant.reduced.free);
-        plant.method.respond(&plant.problem, &plant.states, &mut plant.solution);
-        plant.close();
     }
 }
 
 impl Plant {
-    /// Number of products that the drives of all mechanisms can need.
-    pub fn drive_products(&self) -> usize {
-        let of = |model: &Model| model.nj() + model.lagging().count();
-        2 + of(&self.model) + self.objects.list.iter().map(|object| of(&object.model)).sum::<usize>()
-    }
-
     fn drives_at(&self, mechanism: usize) -> DrivesAt<'_> {
         match mechanism {
             0 => DrivesAt {
@@ -182,20 +154,27 @@ impl Plant {
 
     /// Change of accelerations and powers per unit effort of a joint, contact states held, from the evaluation
     /// `before`. Leaves the evaluation changed.
-    fn respond_to_effort(&mut self, mechanism: usize, joint: usize, before: &Evaluation, out: &mut [f64]) {
-        let mechanisms = self.objects.mechanisms(&self.ws);
-        let ws = mechanisms.get(mechanism);
-        let k = ws.nv() - self.drives_at(mechanism).model.nj() + joint;
+    pub(super) fn respond_to_effort(&mut self, m: usize, joint: usize, before: &Evaluation, out: &mut [f64]) {
+        let ws = self.objects.mechanisms(&self.ws).get(m);
+        let k = ws.nv() - self.drives_at(m).model.nj() + joint;
         let effort = TEST * ws.mass.get(k, k);
+        self.respond_to_efforts(m, std::iter::once((k, effort)), before);
+        before.write_change(self, effort, out);
+    }
+
+    /// Evaluates with additional efforts on velocities of mechanism `m`, contact states held, and `before` without.
+    pub(super) fn respond_to_efforts(
+        &mut self,
+        m: usize,
+        efforts: impl Iterator<Item = (usize, f64)>,
+        before: &Evaluation,
+    ) {
         self.problem.b.copy_from_slice(&before.motions);
         self.acceleration.copy_from_slice(&self.reduced.free);
         let motions = (&mut self.acceleration[..], &mut self.problem.b[..]);
-        reduced::add_effort(mechanisms, &mut self.reduced, (mechanism, k), effort, motions);
+        let mechanisms = self.objects.mechanisms(&self.ws);
+        reduced::add_efforts(mechanisms, &mut self.reduced, m, efforts, motions);
         self.method.respond(&self.problem, &self.states, &mut self.solution);
         reduced::apply(mechanisms, &mut self.reduced, &self.solution.wrench, &mut self.acceleration);
-        let accelerations = out[self.layout.velocities()].iter_mut().zip(&self.acceleration).zip(&before.accelerations);
-        accelerations.for_each(|((to, after), before)| *to = (after - before) / effort);
-        let powers = out[self.layout.controlled()..].iter_mut().zip(self.powers().0).zip(before.powers.0);
-        powers.for_each(|((to, after), before)| *to = (after - before) / effort);
     }
 }

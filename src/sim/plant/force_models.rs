@@ -2,7 +2,7 @@
 //! acts on one mechanism, the robot or an object.
 
 use super::Plant;
-use crate::force::{AppliedForces, Force, ForceContext, ForceError, ReportEvent};
+use crate::force::{AppliedForces, Force, ForceContext, ForceError, ReportEvent, Slope};
 
 /// The context of the force models of a mechanism: the plant's fields other than the models. The last
 /// arguments are the time of forces that depend on it, s, and one inside the smooth piece.
@@ -57,6 +57,15 @@ impl Plant {
         if let Some(dt) = dt {
             self.implicit_external.iter_mut().for_each(|term| *term *= dt);
             self.objects.scale_damping(dt);
+        }
+    }
+
+    /// Calls `each` with number and mechanism of the model for each slope of the forces at the last evaluation.
+    pub(super) fn force_slopes(&self, each: &mut dyn FnMut(usize, usize, Slope)) {
+        for (number, force) in self.forces.iter().enumerate() {
+            let mechanism = force.mechanism();
+            let context = context!(self, mechanism, self.state.time, self.within);
+            force.slopes(&context, &mut |slope| each(number, mechanism, slope));
         }
     }
 

@@ -64,9 +64,10 @@ impl Plant {
         estimate
     }
 
-    /// Sliding vertices but pivots, as sole and vertex.
+    /// Sliding vertices but pivots, as sole and vertex; none where friction is regularised.
     fn sliding_vertices(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.problem.soles.iter().enumerate().flat_map(move |(s, sole)| {
+        let polygons = if self.is_compliant() { 0 } else { self.problem.soles.len() };
+        self.problem.soles.iter().enumerate().take(polygons).flat_map(move |(s, sole)| {
             let (state, k) = (self.states[s], sole.vertices.len());
             let slides =
                 move |i: &usize| state.is_dynamic() && state.clamps(*i, k) && state.mode != Mode::Pivoting(*i as u8);

@@ -9,13 +9,16 @@
 //! independent of [`Simulation`](super::Simulation), tasks, observers and metrics.
 
 mod carried_mass;
-pub mod drive_stiffness;
+mod contact_stiffness;
+mod drive_stiffness;
 pub mod energy;
 pub mod energy_flows;
+mod external_stiffness;
 mod force_models;
 mod friction;
 pub mod friction_stiffness;
 pub mod implicit_dampers;
+pub mod implicit_forces;
 pub mod kinematic_joints;
 mod mechanism_states;
 mod object_forces;

@@ -14,7 +14,7 @@
 use super::energy_flows::{EnergyFlows, FLOWS};
 use crate::dynamics::State;
 use crate::robot::Model;
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3, Vector4};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -146,6 +146,51 @@ impl StateLayout {
         rates[7..].copy_from_slice(&v[part.nb..]);
     }
 
+    /// The rates of [`configuration_rates`](Self::configuration_rates) by velocities, as entries with row, column and
+    /// value.
+    pub fn configuration_rate_entries(&self, m: usize, q: &Quaternion<f64>, each: &mut dyn FnMut((usize, usize, f64))) {
+        let part = &self.parts[m];
+        let (x, v) = (part.configuration.start, part.velocities.start);
+        if part.nb == 6 {
+            (0..3).for_each(|k| each((x + k, v + k, 1.0)));
+            for k in 0..3 {
+                let omega = Quaternion::from_imag(Vector3::from_fn(|i, _| f64::from(i == k)));
+                let rate = (omega * q * 0.5).coords;
+                (0..4).for_each(|c| each((x + 3 + c, v + 3 + k, rate[c])));
+            }
+        }
+        (0..part.velocities.len() - part.nb).for_each(|j| each((x + 7 + j, v + part.nb + j, 1.0)));
+    }
+
+    /// Adds the entries of a function of the configuration of mechanism `m`, with its derivatives by displacements
+    /// along all velocities. Displacements by a change dq of the quaternion are `2 Im(dq q*)`.
+    pub fn add_displacement_entries(
+        &self,
+        m: usize,
+        q: &Quaternion<f64>,
+        derivatives: &[f64],
+        row: &mut Vec<(usize, f64)>,
+    ) {
+        let part = &self.parts[m];
+        let first = self.velocities().start;
+        let by = &derivatives[part.velocities.start - first..part.velocities.end - first];
+        let x = part.configuration.start;
+        let mut add = |i: usize, value: f64| {
+            if value != 0.0 {
+                row.push((x + i, value));
+            }
+        };
+        if part.nb == 6 {
+            (0..3).for_each(|k| add(k, by[k]));
+            let turn = Vector3::new(by[3], by[4], by[5]);
+            for c in 0..4 {
+                let change = Quaternion::from_vector(Vector4::from_fn(|i, _| f64::from(i == c)));
+                add(3 + c, 2.0 * (change * q.conjugate()).imag().dot(&turn));
+            }
+        }
+        by[part.nb..].iter().enumerate().for_each(|(j, value)| add(7 + j, *value));
+    }
+
     /// The entries of positions, quaternions and joints.
     pub fn configuration(&self) -> Range<usize> {
         0..self.velocities().start
@@ -154,6 +199,11 @@ impl StateLayout {
     /// The entries of velocities.
     pub fn velocities(&self) -> Range<usize> {
         self.parts[0].velocities.start..self.parts[self.parts.len() - 1].velocities.end
+    }
+
+    /// The first velocity of mechanism `m` among those of all.
+    pub fn velocity_offset(&self, m: usize) -> usize {
+        self.parts[m].velocities.start - self.parts[0].velocities.start
     }
 
     /// The entries of lagging actuators of mechanism `m`.

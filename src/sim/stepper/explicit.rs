@@ -19,7 +19,7 @@ use crate::sim::plant::Plant;
 use crate::sim::report::Observer;
 use crate::sim::run::{Deferral, RunState};
 use crate::sim::run_error::RunError;
-use crate::sim::setup::ImplicitDrives;
+use crate::sim::setup::ImplicitSteps;
 use crate::sim::termination::{check_finite, diverged};
 use nalgebra::Vector2;
 
@@ -74,7 +74,7 @@ pub struct ExplicitStepper {
 
 impl ExplicitStepper {
     /// For a plant.
-    pub fn new(method: &'static Tableau, plant: &Plant, size: StepSize, implicit: ImplicitDrives) -> Self {
+    pub fn new(method: &'static Tableau, plant: &Plant, size: StepSize, implicit: ImplicitSteps) -> Self {
         let n = plant.layout.size();
         ExplicitStepper {
             pair: MethodPair::new(method, plant, &size, implicit),
@@ -145,7 +145,7 @@ impl ExplicitStepper {
         sim.measure_energy();
         sim.plant.begin_sole_impulses();
         let doubtful = self.functions.overlook(&mut self.start, sim.tolerances.rest);
-        if hop.is_none() && (sim.locates_events() || self.pair.has_implicit_drives()) {
+        if hop.is_none() && (sim.locates_events() || self.pair.has_implicit_forces()) {
             let is_new = self.fresh || discontinuity == Discontinuity::Corner;
             h = self.pair.select(&mut sim.plant, &self.y, h, remaining, is_new);
         }

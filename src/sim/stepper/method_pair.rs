@@ -1,4 +1,4 @@
-//! An explicit Runge-Kutta method and a Rosenbrock method for steps in which friction or drives are stiff.
+//! An explicit Runge-Kutta method and a Rosenbrock method for steps in which friction or other forces are stiff.
 //!
 //! Friction of a slow vertex turns with its direction at rates that grow without bound as its speed
 //! goes to zero ([`crate::sim::plant::friction_stiffness`]). Explicit steps are then limited by
@@ -6,9 +6,9 @@
 //! the latter takes it. The rate is computed where an estimate is high, or explicit steps are so
 //! short that something limits them.
 //!
-//! Drives ([`crate::sim::plant::drive_stiffness`]) are stiff in all steps, in none, or in those after stability has
-//! limited explicit ones, until accuracy would limit them too ([`ImplicitDrives`]). Explicit steps are limited by
-//! stability where `h |lambda|` is near the limit in [`STIFF_STEPS`] steps, with the estimate of [Hairer 1996],
+//! Drives, springs and dampers ([`crate::sim::plant::implicit_forces`]) are implicit in all steps, in none, or in those
+//! after stability has limited explicit ones, until accuracy would limit them too ([`ImplicitSteps`]). Explicit steps
+//! are limited by stability where `h |lambda|` is near the limit in [`STIFF_STEPS`] steps, with the estimate of [Hairer 1996],
 //! section IV.2, from the two stages at the end of a step,
 //!
 //! ```text
@@ -18,10 +18,10 @@
 use super::step_size::StepSize;
 use crate::integrate::{Rosenbrock, RungeKutta, StepControl, Tableau};
 use crate::sim::plant::Plant;
-use crate::sim::plant::drive_stiffness::DriveStiffness;
 use crate::sim::plant::friction_stiffness::MOST_VERTICES;
+use crate::sim::plant::implicit_forces::ImplicitForces;
 use crate::sim::plant::state_layout::StateLayout;
-use crate::sim::setup::ImplicitDrives;
+use crate::sim::setup::ImplicitSteps;
 
 /// Product of step and eigenvalue up to which explicit steps are stable (`dopri5`: 3.3).
 const STABLE: f64 = 3.0;
@@ -33,18 +33,18 @@ const SHORT: f64 = 1e-5;
 const FIRST: f64 = 1e-4;
 /// Estimate of `h |lambda|` above which an explicit step counts as limited by stability.
 const LIMITED: f64 = 2.5;
-/// Number of such steps after which drives become implicit, less one for each six that are not.
+/// Number of such steps after which forces become implicit, less one for each six that are not.
 const STIFF_STEPS: u32 = 12;
-/// Product of a step and the rate of the drives up to which an explicit step of that size would do.
+/// Product of a step and the rate of the implicit forces up to which an explicit step of that size would do.
 const EASY: f64 = 1.5;
-/// Number of such steps after which drives become explicit again.
+/// Number of such steps after which forces become explicit again.
 const EASY_STEPS: u32 = 12;
-/// Number of steps for which responses of the drives are kept.
+/// Number of steps for which responses to forces are kept.
 const KEPT: u32 = 12;
-/// Product of a step and the estimated rate of friction above which drives and friction are implicit together.
+/// Product of a step and the estimated rate of friction above which friction is implicit with the others.
 const TOGETHER: f64 = 0.3;
-/// First step after a restart with implicit drives, s.
-const FIRST_OF_DRIVES: f64 = 1e-3;
+/// First step after a restart with implicit forces, s.
+const FIRST_OF_FORCES: f64 = 1e-3;
 /// Most explicit steps between two attempts to resume the Rosenbrock method.
 const MOST_WAITING: u32 = 64;
 
@@ -61,13 +61,13 @@ pub struct MethodPair {
     /// doubles with each failure.
     waited: u32,
     wait: u32,
-    drives: Drives,
+    implicit: Implicit,
 }
 
-/// Implicit drives.
-struct Drives {
-    stiffness: DriveStiffness,
-    choice: ImplicitDrives,
+/// The implicit forces.
+struct Implicit {
+    forces: ImplicitForces,
+    choice: ImplicitSteps,
     /// Whether they are implicit in the next step.
     are_implicit: bool,
     /// Steps that count towards the next change.
@@ -82,9 +82,8 @@ struct Drives {
 
 impl MethodPair {
     /// For a plant, and steps of the explicit method sized by `size`.
-    pub fn new(method: &'static Tableau, plant: &Plant, size: &StepSize, drives: ImplicitDrives) -> Self {
+    pub fn new(method: &'static Tableau, plant: &Plant, size: &StepSize, choice: ImplicitSteps) -> Self {
         let n = plant.layout.size();
-        let room = if drives == ImplicitDrives::Never { 0 } else { plant.drive_products() };
         let stiff_size = match *size {
             StepSize::Fixed(_) => None,
             StepSize::Controlled { relative, absolute, max_step, .. } => {
@@ -94,16 +93,16 @@ impl MethodPair {
         };
         MethodPair {
             explicit: RungeKutta::new(method, n),
-            stiff: Rosenbrock::new(n, room + MOST_VERTICES),
+            stiff: Rosenbrock::new(n, MOST_VERTICES),
             is_stiff: false,
             stiff_size,
             resumes: false,
             waited: 0,
             wait: 1,
-            drives: Drives {
-                stiffness: DriveStiffness::default(),
-                choice: drives,
-                are_implicit: drives == ImplicitDrives::Always,
+            implicit: Implicit {
+                forces: ImplicitForces::default(),
+                choice,
+                are_implicit: choice == ImplicitSteps::Always,
                 count: 0,
                 others: 0,
                 age: 0,
@@ -114,8 +113,8 @@ impl MethodPair {
 
     /// Resets the size of stiff steps after a jump of the equations.
     pub fn restart(&mut self) {
-        self.begin_stiff_steps(if self.drives.are_implicit { FIRST_OF_DRIVES } else { FIRST });
-        self.drives.age = KEPT;
+        self.begin_stiff_steps(if self.implicit.are_implicit { FIRST_OF_FORCES } else { FIRST });
+        self.implicit.age = KEPT;
     }
 
     /// Evaluates the start of a step.
@@ -129,8 +128,8 @@ impl MethodPair {
     pub fn select(&mut self, plant: &mut Plant, y: &[f64], h: f64, remaining: f64, is_new: bool) -> f64 {
         let Some(size) = &self.stiff_size else { return h };
         let stiff = size.next(remaining);
-        if self.drives.are_implicit {
-            self.use_drives(plant, stiff, is_new);
+        if self.implicit.are_implicit {
+            self.use_forces(plant, stiff, is_new);
             self.stiff.begin(y, self.explicit.slope());
             (self.is_stiff, self.resumes) = (true, false);
             return stiff;
@@ -157,14 +156,21 @@ impl MethodPair {
         first
     }
 
-    /// Makes the drives the stiff part of a step of size `h`, with friction if that is stiff.
-    fn use_drives(&mut self, plant: &mut Plant, h: f64, is_new: bool) {
-        let (drives, stiff) = (&mut self.drives, &mut self.stiff.stiff);
-        let renew = is_new || drives.age >= KEPT;
-        drives.age = if drives.stiffness.update(plant, renew, stiff) { 0 } else { drives.age + 1 };
-        if drives.age == 0 {
+    /// Makes the implicit forces the stiff part of a step of size `h`, with friction if that is stiff.
+    fn use_forces(&mut self, plant: &mut Plant, h: f64, is_new: bool) {
+        let implicit = &mut self.implicit;
+        let renew = implicit.forces.find(plant) || is_new || implicit.age >= KEPT;
+        if renew {
+            // Forces and polygons of the floor may be others now.
+            self.stiff.reserve(implicit.forces.most_products(plant) + MOST_VERTICES);
+            implicit.forces.renew(plant, &mut self.stiff.stiff);
+        }
+        let stiff = &mut self.stiff.stiff;
+        implicit.forces.write(plant, stiff);
+        implicit.age = if renew { 0 } else { implicit.age + 1 };
+        if renew {
             stiff.complete();
-            drives.rate = stiff.rate_bound();
+            implicit.rate = stiff.rate_bound();
         }
         if plant.friction_rate_estimate() * h > TOGETHER {
             plant.friction_stiffness(stiff);
@@ -172,9 +178,9 @@ impl MethodPair {
         stiff.complete();
     }
 
-    /// Whether drives are implicit in the next step.
-    pub fn has_implicit_drives(&self) -> bool {
-        self.drives.are_implicit
+    /// Whether forces are implicit in the next step.
+    pub fn has_implicit_forces(&self) -> bool {
+        self.implicit.are_implicit
     }
 
     /// Whether the Rosenbrock method takes this step.
@@ -196,8 +202,8 @@ impl MethodPair {
         match &mut self.stiff_size {
             Some(size) if self.is_stiff => {
                 let factor = size.shorten(|tolerances| stiff.error(tolerances, layout.error_groups()), h, remaining);
-                if self.drives.are_implicit {
-                    self.drives.count_implicit(factor.is_some(), size.next(f64::INFINITY));
+                if self.implicit.are_implicit {
+                    self.implicit.count_implicit(factor.is_some(), size.next(f64::INFINITY));
                 } else if std::mem::take(&mut self.resumes) {
                     self.waited = 0;
                     self.wait = if factor.is_some() { (2 * self.wait).min(MOST_WAITING) } else { 1 };
@@ -206,9 +212,9 @@ impl MethodPair {
             }
             _ => {
                 let factor = size.shorten(|tolerances| explicit.error(tolerances, layout.error_groups()), h, remaining);
-                if factor.is_none() && self.drives.choice == ImplicitDrives::Auto {
+                if factor.is_none() && self.implicit.choice == ImplicitSteps::Auto {
                     let rate = self.explicit.rate_estimate(layout.controlled());
-                    if self.drives.count_explicit(rate.map_or(0.0, |rate| h * rate)) {
+                    if self.implicit.count_explicit(rate.map_or(0.0, |rate| h * rate)) {
                         self.begin_stiff_steps(h);
                     }
                 }
@@ -248,8 +254,8 @@ impl MethodPair {
     }
 }
 
-impl Drives {
-    /// Counts an accepted explicit step with this estimate of `h |lambda|`. Returns whether the drives have become
+impl Implicit {
+    /// Counts an accepted explicit step with this estimate of `h |lambda|`. Returns whether the forces have become
     /// implicit.
     fn count_explicit(&mut self, product: f64) -> bool {
         if product > LIMITED {
@@ -267,14 +273,14 @@ impl Drives {
         self.are_implicit
     }
 
-    /// Counts a step with implicit drives, after which the next one has size `next`.
+    /// Counts a step with implicit forces, after which the next one has size `next`.
     fn count_implicit(&mut self, is_rejected: bool, next: f64) {
         if is_rejected {
             self.age = KEPT;
             return;
         }
         self.count = if next * self.rate < EASY { self.count + 1 } else { 0 };
-        if self.count >= EASY_STEPS && self.choice == ImplicitDrives::Auto {
+        if self.count >= EASY_STEPS && self.choice == ImplicitSteps::Auto {
             (self.count, self.others, self.are_implicit) = (0, 0, false);
         }
     }

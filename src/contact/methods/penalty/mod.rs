@@ -24,7 +24,7 @@
 
 mod step;
 
-use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput, StoredEnergy};
+use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput, StoredEnergy, VertexSlopes};
 use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::{Problem, Vertex};
 use crate::contact::model::solution::Solution;
@@ -32,7 +32,7 @@ use crate::contact::model::state::{Pattern, SoleState, States};
 use crate::contact::search::select::Selection;
 use crate::math;
 use crate::text::quantity::{json, non_negative, positive};
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Vector2, Vector3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use step::Step;
@@ -84,6 +84,31 @@ impl PenaltyParameters {
     /// Regularised direction of a slip: a unit vector, shorter where the slip is slow.
     fn slip(&self, velocity: &Vector2<f64>) -> Vector2<f64> {
         velocity / math::hypot(velocity.norm(), self.slip_velocity)
+    }
+
+    /// Derivative of that direction by the velocity.
+    fn turn(&self, velocity: &Vector2<f64>) -> Matrix2<f64> {
+        let slip = self.slip(velocity);
+        (Matrix2::identity() - slip * slip.transpose()) / math::hypot(velocity.norm(), self.slip_velocity)
+    }
+
+    /// Slopes of the force on a vertex in the floor. The normal force has none where it is clipped.
+    fn slopes(&self, v: &Vertex) -> VertexSlopes {
+        let normal = self.normal(v);
+        let mut slopes = VertexSlopes::default();
+        if v.height < 0.0 {
+            slopes.power = [self.stiffness * v.velocity.z, self.stiffness * v.height];
+        }
+        if normal > 0.0 {
+            let slip = v.velocity.xy();
+            // Forces per newton of normal force.
+            let per_load = self.slip(&slip) * -v.mu_k;
+            let per_load = Vector3::new(per_load.x, per_load.y, 1.0);
+            slopes.by_height = per_load * -self.stiffness;
+            slopes.by_velocity.set_column(2, &(per_load * -self.damping));
+            slopes.by_velocity.fixed_view_mut::<2, 2>(0, 0).copy_from(&(self.turn(&slip) * (-v.mu_k * normal)));
+        }
+        slopes
     }
 }
 
@@ -167,10 +192,62 @@ impl ContactSolver for Penalty {
 
     fn stored(&self, p: &Problem) -> StoredEnergy {
         let mut stored = StoredEnergy::default();
-        for v in p.soles.iter().flat_map(|s| &s.vertices).filter(|v| v.height < 0.0) {
+        let vertices = p.soles.iter().flat_map(|s| &s.vertices);
+        for (v, inside) in vertices.zip(&self.inside).filter(|(v, _)| v.height < 0.0) {
             stored.energy += 0.5 * self.law.stiffness * v.height * v.height;
-            stored.power += self.law.stiffness * v.height * v.velocity.z;
+            // Stages of a step that ends at a touch-down may be below it; the forces there are zero, too.
+            if *inside {
+                stored.power += self.law.stiffness * v.height * v.velocity.z;
+            }
         }
         stored
+    }
+
+    fn slopes(&self, p: &Problem, each: &mut dyn FnMut(usize, usize, VertexSlopes)) {
+        for ((s, i), _) in p.vertex_indices().zip(&self.inside).filter(|(_, inside)| **inside) {
+            each(s, i, self.law.slopes(&p.soles[s].vertices[i]));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slopes_are_difference_quotients_of_the_forces() {
+        let law = PenaltyParameters::default();
+        let mut p = Problem::new(&[1]);
+        let v = &mut p.soles[0].vertices[0];
+        (v.height, v.mu_k, v.velocity) = (-1e-4, 0.6, Vector3::new(4e-4, -7e-4, 2e-3));
+        let mut penalty = Penalty::new(&p, law);
+        penalty.inside[0] = true;
+        let mut out = Solution::new(&p);
+        let mut evaluate = |p: &Problem| {
+            penalty.respond(p, &States::default(), &mut out);
+            let (t, power) = (out.tangent[0][0], penalty.stored(p).power);
+            (Vector3::new(t.x, t.y, out.normal[0][0]), power)
+        };
+        let vertex = p.soles[0].vertices[0];
+        let slopes = law.slopes(&vertex);
+        // Central differences: truncation of second order, 1e-6 of the scale of each argument.
+        let mut quotient = |d: f64, change: &dyn Fn(&mut Vertex, f64)| {
+            let [(above, power_above), (below, power_below)] = [d, -d].map(|d| {
+                p.soles[0].vertices[0] = vertex;
+                change(&mut p.soles[0].vertices[0], d);
+                evaluate(&p)
+            });
+            ((above - below) / (2.0 * d), (power_above - power_below) / (2.0 * d))
+        };
+        let close = |a: Vector3<f64>, b: Vector3<f64>| (a - b).norm() < 1e-5 * b.norm();
+        let (by_height, power) = quotient(1e-7, &|v, d| v.height += d);
+        assert!(close(by_height, slopes.by_height), "{by_height} {}", slopes.by_height);
+        assert!((power - slopes.power[0]).abs() < 1e-5 * power.abs());
+        for k in 0..3 {
+            let (by_velocity, power) = quotient(1e-6, &|v, d| v.velocity[k] += d);
+            assert!(close(by_velocity, slopes.by_velocity.column(k).into()), "{k} {by_velocity}");
+            let expected = if k == 2 { slopes.power[1] } else { 0.0 };
+            assert!((power - expected).abs() <= 1e-5 * expected.abs(), "{k} {power}");
+        }
     }
 }

@@ -21,8 +21,7 @@ use crate::contact::methods::penalty::PenaltyParameters;
 use crate::contact::model::problem::{Problem, Vertex};
 use crate::contact::model::solution::{Solution, wrench_at};
 use crate::linalg::linear::Linear;
-use crate::math;
-use nalgebra::{Matrix2, Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 /// Most Newton steps of one iteration.
 const ROUNDS: usize = 15;
@@ -130,8 +129,7 @@ impl Step {
         let mut k = Matrix3::zeros();
         if n > 0.0 {
             let slip = self.law.slip(&u.xy());
-            let turn =
-                (Matrix2::identity() - slip * slip.transpose()) / math::hypot(u.xy().norm(), self.law.slip_velocity);
+            let turn = self.law.turn(&u.xy());
             let normal = self.damping(v, dt);
             k.fixed_view_mut::<2, 2>(0, 0).copy_from(&(turn * (v.mu_k * n)));
             k.fixed_view_mut::<2, 1>(0, 2).copy_from(&(slip * (-v.mu_k * normal)));
