@@ -18,15 +18,23 @@ use stiction::sim::{NullObserver, Observer, Setup, Simulation};
 const TICKS: f64 = 0.1;
 
 fn setup() -> Setup {
-    let text = "duration = 1e6
-        robot = { model = \"robots/hoap2/hoap2.toml\" }
+    setup_with("")
+}
+
+/// With further lines of the scenario.
+fn setup_with(lines: &str) -> Setup {
+    let text = format!(
+        "duration = 1e6
+        robot = {{ model = \"robots/hoap2/hoap2.toml\" }}
+        {lines}
         [[task]]
         type = \"squat\"
         depth = 0.02
         period = 1.0
-        repetitions = 1000000\n";
+        repetitions = 1000000\n"
+    );
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let file = scenario::parse(&root.join("bench.toml"), text).expect("our own scenario");
+    let file = scenario::parse(&root.join("bench.toml"), &text).expect("our own scenario");
     let run = file.expand(&[]).expect("a single run").remove(0);
     let robot = robot::load(&run.resolve(&run.scenario.robot.model)).expect("our own robot");
     assemble::setup(&run, &robot).unwrap_or_else(|e| panic!("{e}"))
@@ -81,6 +89,30 @@ fn log_file(bencher: Bencher) {
     let (setup, folder) = (setup(), tempfile::tempdir().expect("a folder"));
     let mut log = log(&setup, Some(folder.path()), None);
     each(bencher, setup, &mut log);
+}
+
+/// The cheapest steps: 100 of 1 ms without a log, and with 20 frames of one. Their ratio is the relative
+/// cost of a log at 200 Hz; 1 / 20 of their difference is the cost of a frame.
+mod one_step {
+    use super::*;
+
+    fn setup() -> Setup {
+        let lines = "contact = { method = \"one-step\" }
+            integrator = { method = \"semi-implicit\", step = 1e-3 }";
+        setup_with(lines)
+    }
+
+    #[divan::bench]
+    fn without_log(bencher: Bencher) {
+        each(bencher, Setup { log_rate: 0.0, ..setup() }, &mut NullObserver);
+    }
+
+    #[divan::bench]
+    fn with_log(bencher: Bencher) {
+        let (setup, folder) = (setup(), tempfile::tempdir().expect("a folder"));
+        let mut log = log(&setup, Some(folder.path()), None);
+        each(bencher, setup, &mut log);
+    }
 }
 
 /// `runner run --live --no-log` and `runner run --live`.

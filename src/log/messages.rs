@@ -110,7 +110,8 @@ pub struct State {
     /// polygon, on the floor plane, m; absent in flight.
     #[prost(message, optional, tag = "16")]
     pub stable_point: Option<Vector3>,
-    /// Efforts commanded by the drives, before limits and lag, N m or N.
+    /// Efforts commanded by the drives, before limits and lag, N m or N; equal to `effort` where they differ by
+    /// rounding only.
     #[prost(double, repeated, tag = "17")]
     pub effort_desired: Vec<f64>,
     /// Points shown by tasks, in a fixed order; later tasks append theirs.

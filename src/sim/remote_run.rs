@@ -215,9 +215,6 @@ impl RemoteRun {
         for (j, desired) in out.effort_desired.iter_mut().enumerate() {
             *desired = joint_efforts::desired_effort(j, out.q[j], out.qd[j], &self.safe_command);
         }
-        for (link, pose) in out.link_poses.iter_mut().enumerate() {
-            *pose = data.link_pose(model, crate::robot::LinkId(link));
-        }
         (out.com, out.com_velocity) = (data.com, data.com_velocity);
         (out.centre_of_pressure, out.stable_point) = (data.zmp, data.stable_point);
         out.support_polygon.clear();

@@ -27,14 +27,13 @@ pub struct Snapshot {
     pub qd: Vec<f64>,
     /// Actuator efforts (friction and stops not included).
     pub effort: Vec<f64>,
-    /// Desired efforts of the drives, before limits and lag; in mode `kinematic` those of `effort`.
+    /// Desired efforts of the drives, before limits and lag; those of `effort` in mode `kinematic` and where
+    /// both differ by rounding only.
     pub effort_desired: Vec<f64>,
     /// Desired joint positions.
     pub q_desired: Vec<f64>,
     /// Desired joint velocities.
     pub qd_desired: Vec<f64>,
-    /// Poses of the links' URDF frames in the world, in the model's link order.
-    pub link_poses: Vec<Isometry3<f64>>,
     /// Poses of the links of all objects in the world.
     pub object_poses: Vec<Isometry3<f64>>,
     /// Centre of mass.

@@ -26,6 +26,8 @@ VIEWED = ["/tf", "/scene/contact", "/joint_states"]
 ONCE = ["/scene", "/robot_description"]
 # The quaternions are products and logarithms of unit quaternions in double precision.
 UNIT = 1e-9
+# Arrows have single precision, 6e-8 of each component.
+DRAWN_UNIT = 3e-7
 # Poses are composed over at most a few dozen links, each with an error of a few 1e-16 of the distance to the origin.
 POSE = 1e-9
 
@@ -110,7 +112,8 @@ def check_scene(scene, check):
         for kind in ("arrows", "cubes", "spheres", "cylinders", "lines", "triangles"):
             for primitive in getattr(entity, kind):
                 pose = primitive.pose
-                check(abs(math.hypot(*wxyz(pose.orientation)) - 1) < UNIT, f"scene: {entity.id} {kind}: no unit quaternion")
+                unit = DRAWN_UNIT if kind == "arrows" else UNIT
+                check(abs(math.hypot(*wxyz(pose.orientation)) - 1) < unit, f"scene: {entity.id} {kind}: no unit quaternion")
                 check(finite(xyz(pose.position)), f"scene: {entity.id} {kind}: position not finite")
         for mesh in entity.triangles:
             check(len(mesh.indices) % 3 == 0, f"scene: {entity.id}: indices are no triangles")

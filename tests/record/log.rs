@@ -150,9 +150,9 @@ fn a_snapshot_of_another_robot_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let mut log = sample::open_log(&folder.path().join("log.mcap"), 1, TopicGroups::ALL);
     let mut snapshot = sample::snapshot(1);
-    snapshot.link_poses.pop();
+    snapshot.q.pop();
     let message = log.snapshot(&snapshot).unwrap_err().to_string();
-    assert!(message.contains("2 link poses") && message.contains("the model has 3"), "{message}");
+    assert!(message.contains("1 joint positions") && message.contains("the model has 2"), "{message}");
     let mut snapshot = sample::snapshot(1);
     snapshot.soles.clear();
     assert!(log.snapshot(&snapshot).unwrap_err().to_string().contains("0 soles"));

@@ -120,7 +120,7 @@ fn topics_for_viewers_have_a_rate_of_their_own_and_objects_that_of_the_log() {
     let header = LogHeader { viewer_rate: 50.0, objects: &objects, ..sample::header(TopicGroups::ALL) };
     let with_objects = |tick: usize| {
         let mut snapshot = sample::snapshot(tick);
-        snapshot.object_poses = snapshot.link_poses[1..3].to_vec();
+        snapshot.object_poses = sample::link_poses_of(&snapshot)[1..3].to_vec();
         snapshot
     };
     let mut log = LogWriter::create(&path, &sample::model(), &header).unwrap();

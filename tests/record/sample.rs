@@ -151,6 +151,22 @@ fn sole(tick: usize, state: &str, link: &Link, pose: &Isometry3<f64>, vertices: 
     }
 }
 
+/// Poses of the links' URDF frames in a posture: joints turn about z of the internal frames.
+pub fn link_poses(base: &Isometry3<f64>, q: &[f64]) -> Vec<Isometry3<f64>> {
+    let model = model();
+    let mut internal = vec![base * model.links[0].urdf_frame.inverse()];
+    for (link, angle) in model.links[1..].iter().zip(q) {
+        let turn = Isometry3::rotation(Vector3::new(0.0, 0.0, *angle));
+        internal.push(internal[link.parent.unwrap().0] * Translation3::from(link.offset) * turn);
+    }
+    internal.iter().zip(&model.links).map(|(pose, link)| pose * link.urdf_frame).collect()
+}
+
+/// Poses of the links in a snapshot.
+pub fn link_poses_of(s: &Snapshot) -> Vec<Isometry3<f64>> {
+    link_poses(&s.base_pose, &s.q)
+}
+
 /// Tick `tick` of a motion logged at 200 Hz. The first sole is static, sliding and free in turn.
 pub fn snapshot(tick: usize) -> Snapshot {
     let pose = |i: usize| {
@@ -159,7 +175,8 @@ pub fn snapshot(tick: usize) -> Snapshot {
             UnitQuaternion::from_scaled_axis(vector(tick, i + 3) * 2.0),
         )
     };
-    let link_poses: Vec<_> = (0..3).map(|i| pose(10 * i)).collect();
+    let q = vec![wobble(tick, 1), wobble(tick, 2)];
+    let link_poses = link_poses(&pose(0), &q);
     let model = model();
     let state = ["face-static", "face-dynamic", "free"][tick % 3];
     Snapshot {
@@ -167,13 +184,12 @@ pub fn snapshot(tick: usize) -> Snapshot {
         base_pose: link_poses[0],
         base_linear_velocity: vector(tick, 100),
         base_angular_velocity: vector(tick, 103),
-        q: vec![wobble(tick, 1), wobble(tick, 2)],
+        q,
         qd: vec![wobble(tick, 3), wobble(tick, 4)],
         effort: vec![wobble(tick, 5), wobble(tick, 6)],
         effort_desired: vec![wobble(tick, 10), wobble(tick, 11)],
         q_desired: vec![wobble(tick, 7), wobble(tick, 8)],
         qd_desired: vec![wobble(tick, 9), 0.0],
-        link_poses: link_poses.clone(),
         object_poses: Vec::new(),
         com: vector(tick, 200),
         com_velocity: vector(tick, 203),

@@ -30,10 +30,6 @@ pub(super) fn pose(p: &na::Isometry3<f64>) -> Pose {
     Pose { position: Some(vector(&p.translation.vector)), orientation: Some(quaternion(&p.rotation)) }
 }
 
-pub(super) fn pose_at(position: &na::Vector3<f64>) -> Pose {
-    pose(&na::Isometry3::from_parts((*position).into(), na::UnitQuaternion::identity()))
-}
-
 pub(super) fn colour(rgba: [f32; 4]) -> Color {
     let [r, g, b, a] = rgba.map(f64::from);
     Color { r, g, b, a }
@@ -42,10 +38,4 @@ pub(super) fn colour(rgba: [f32; 4]) -> Color {
 /// A vector in a message of [`messages`].
 pub(super) fn to_message(v: &na::Vector3<f64>) -> messages::Vector3 {
     messages::Vector3 { x: v.x, y: v.y, z: v.z }
-}
-
-/// Replaces the contents of `to` and keeps its storage.
-pub(super) fn to_messages(from: &[na::Vector3<f64>], to: &mut Vec<messages::Vector3>) {
-    to.clear();
-    to.extend(from.iter().map(to_message));
 }

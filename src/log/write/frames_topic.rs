@@ -4,14 +4,15 @@
 //! link's URDF frame. The frames of objects, `object/NAME`, are children of the root frame.
 
 use crate::files::RecordError;
-use crate::log::write::conversion::{quaternion, timestamp, vector};
 use crate::log::write::log_header::LogHeader;
 use crate::log::write::log_output::{Channel, LogOutput};
+use crate::log::write::proto_writer::ProtoWriter;
 use crate::log::write::topic::Topic;
-use crate::robot::{Link, Model};
+use crate::math;
+use crate::robot::{JointKind, Link, Model};
 use crate::sim::Snapshot;
-use foxglove::messages::{FrameTransform, FrameTransforms};
-use nalgebra::Isometry3;
+use foxglove::messages::FrameTransforms;
+use nalgebra::{Isometry3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
 
 /// Name of the root frame: `world`, or `map` if a link is called `world`.
@@ -24,37 +25,114 @@ pub(super) fn object_frame(link: &Link) -> String {
     format!("object/{}", link.name)
 }
 
+/// Components of a unit vector or quaternion below this are rounding, logged as 0: they would change
+/// with every message, which compresses worse than a constant.
+const ROUNDING: f64 = 1e-15;
+
+/// The frame of a link that moves in its parent's frame, both as in the URDF.
+struct MovingFrame {
+    /// Encoded names of parent and child.
+    names: Vec<u8>,
+    /// Number of the joint; none for the root, which moves in the world.
+    joint: Option<(usize, JointKind)>,
+    /// Pose at joint position 0.
+    at_zero: Isometry3<f64>,
+    /// Axis of the joint in the link's frame, and a point of it: 0 where a URDF defines the frame.
+    axis: Vector3<f64>,
+    centre: Vector3<f64>,
+}
+
+impl MovingFrame {
+    fn new(model: &Model, i: usize) -> Self {
+        let link = &model.links[i];
+        let Some(parent) = link.parent else {
+            let names = encoded_names(world_frame(model), &link.name);
+            let zero = Vector3::zeros();
+            return Self { names, joint: None, at_zero: Isometry3::identity(), axis: zero, centre: zero };
+        };
+        let parent = &model.links[parent.0];
+        let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(link.rotation));
+        let internal = Isometry3::from_parts(Translation3::from(link.offset), turn);
+        let at_zero = parent.urdf_frame.inv_mul(&internal) * link.urdf_frame;
+        let round = |x: f64| if x.abs() < ROUNDING { 0.0 } else { x };
+        let rotation = UnitQuaternion::new_unchecked(Quaternion::from_vector(at_zero.rotation.coords.map(round)));
+        Self {
+            names: encoded_names(&parent.name, &link.name),
+            joint: Some((i - 1, model.joints[i - 1].kind)),
+            at_zero: Isometry3::from_parts(at_zero.translation, rotation),
+            // Joints move along or about z of the internal frame.
+            axis: link.urdf_frame.inverse_transform_vector(&Vector3::z()).map(round),
+            centre: link.urdf_frame.inverse().translation.vector.map(round),
+        }
+    }
+
+    /// The pose in the parent.
+    fn pose(&self, s: &Snapshot) -> Isometry3<f64> {
+        match self.joint {
+            None => s.base_pose,
+            Some((j, JointKind::Prismatic)) => {
+                let shift = self.at_zero.rotation * self.axis * s.q[j];
+                Isometry3::from_parts(
+                    Translation3::from(self.at_zero.translation.vector + shift),
+                    self.at_zero.rotation,
+                )
+            }
+            Some((j, JointKind::Revolute | JointKind::Continuous)) => {
+                let (sin, cos) = math::sin_cos(0.5 * s.q[j]);
+                let turn = UnitQuaternion::new_unchecked(Quaternion::from_parts(cos, self.axis * sin));
+                let shift = self.at_zero.rotation * (self.centre - turn * self.centre);
+                let origin = Translation3::from(self.at_zero.translation.vector + shift);
+                Isometry3::from_parts(origin, self.at_zero.rotation * turn)
+            }
+        }
+    }
+}
+
+/// Writes the frames from the base's pose and the joint positions.
 pub(super) struct FramesTopic {
     channel: Channel,
-    /// One transform per link, in the model's order, then the frames fixed in a link, then objects.
-    message: FrameTransforms,
-    parents: Vec<Option<usize>>,
-    /// First transform of the objects.
-    objects: usize,
+    /// One per link, in the model's order.
+    moving: Vec<MovingFrame>,
+    /// Frames fixed in a link: all fields but the time, encoded.
+    fixed: Vec<Vec<u8>>,
+    /// Encoded names of the objects' frames.
+    objects: Vec<Vec<u8>>,
 }
 
 impl FramesTopic {
     pub fn open(output: &mut LogOutput, model: &Model, header: &LogHeader) -> Result<Self, RecordError> {
-        let parents: Vec<Option<usize>> = model.links.iter().map(|l| l.parent.map(|p| p.0)).collect();
-        let moving = model.links.iter().zip(&parents).map(|(link, parent)| {
-            let parent = parent.map_or(world_frame(model), |p| &model.links[p].name);
-            transform(parent, &link.name, &Isometry3::identity())
-        });
-        let mut transforms: Vec<_> = moving.chain(fixed(model, header.urdf.text)).collect();
-        let objects = transforms.len();
-        let of_world = |link: &Link| transform(world_frame(model), &object_frame(link), &Isometry3::identity());
-        transforms.extend(header.objects.iter().map(of_world));
+        let objects = header.objects.iter();
         Ok(Self {
             channel: output.foxglove::<FrameTransforms>("/tf")?,
-            message: FrameTransforms { transforms },
-            parents,
-            objects,
+            moving: (0..model.links.len()).map(|i| MovingFrame::new(model, i)).collect(),
+            fixed: fixed(model, header.urdf.text),
+            objects: objects.map(|link| encoded_names(world_frame(model), &object_frame(link))).collect(),
         })
     }
 }
 
+/// Fields of `foxglove.FrameTransform`.
+const TIMESTAMP: u32 = 1;
+const PARENT: u32 = 2;
+const CHILD: u32 = 3;
+const TRANSLATION: u32 = 4;
+const ROTATION: u32 = 5;
+
+fn encoded_names(parent: &str, child: &str) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut to = ProtoWriter::new(&mut bytes);
+    to.text(PARENT, parent);
+    to.text(CHILD, child);
+    bytes
+}
+
+fn write_pose(to: &mut ProtoWriter, pose: &Isometry3<f64>) {
+    to.vector(TRANSLATION, &pose.translation.vector);
+    to.foxglove_quaternion(ROTATION, &pose.rotation);
+}
+
 /// Frames of welded links and soles.
-fn fixed(model: &Model, urdf: &str) -> Vec<FrameTransform> {
+fn fixed(model: &Model, urdf: &str) -> Vec<Vec<u8>> {
     let parents = welds(urdf);
     let mut found = Vec::new();
     for link in &model.links {
@@ -88,31 +166,38 @@ fn welds(urdf: &str) -> HashMap<String, String> {
         .collect()
 }
 
-fn transform(parent: &str, child: &str, pose: &Isometry3<f64>) -> FrameTransform {
-    FrameTransform {
-        timestamp: None,
-        parent_frame_id: parent.to_owned(),
-        child_frame_id: child.to_owned(),
-        translation: Some(vector(&pose.translation.vector)),
-        rotation: Some(quaternion(&pose.rotation)),
-    }
+/// A transform without its time, encoded.
+fn transform(parent: &str, child: &str, pose: &Isometry3<f64>) -> Vec<u8> {
+    let mut bytes = encoded_names(parent, child);
+    write_pose(&mut ProtoWriter::new(&mut bytes), pose);
+    bytes
 }
 
 impl Topic for FramesTopic {
     fn record(&mut self, time: u64, s: &Snapshot, output: &mut LogOutput) -> Result<(), RecordError> {
-        for ((to, pose), parent) in self.message.transforms.iter_mut().zip(&s.link_poses).zip(&self.parents) {
-            let local = parent.map_or(*pose, |p| s.link_poses[p].inv_mul(pose));
-            to.translation = Some(vector(&local.translation.vector));
-            to.rotation = Some(quaternion(&local.rotation));
-        }
-        for (to, pose) in self.message.transforms[self.objects..].iter_mut().zip(&s.object_poses) {
-            to.translation = Some(vector(&pose.translation.vector));
-            to.rotation = Some(quaternion(&pose.rotation));
-        }
-        let stamp = timestamp(time);
-        for to in &mut self.message.transforms {
-            to.timestamp = Some(stamp);
-        }
-        output.send(&mut self.channel, time, &self.message)
+        /// Field of `foxglove.FrameTransforms`.
+        const TRANSFORMS: u32 = 1;
+        output.send_fields(&mut self.channel, time, |to| {
+            for frame in &self.moving {
+                to.message(TRANSFORMS, |to| {
+                    to.timestamp(TIMESTAMP, time);
+                    to.encoded(&frame.names);
+                    write_pose(to, &frame.pose(s));
+                });
+            }
+            for fields in &self.fixed {
+                to.message(TRANSFORMS, |to| {
+                    to.timestamp(TIMESTAMP, time);
+                    to.encoded(fields);
+                });
+            }
+            for (names, pose) in self.objects.iter().zip(&s.object_poses) {
+                to.message(TRANSFORMS, |to| {
+                    to.timestamp(TIMESTAMP, time);
+                    to.encoded(names);
+                    write_pose(to, pose);
+                });
+            }
+        })
     }
 }

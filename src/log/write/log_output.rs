@@ -2,6 +2,7 @@
 
 use crate::files::{RecordError, atomic};
 use crate::log::write::message_sink::{ChannelInfo, MessageSink};
+use crate::log::write::proto_writer::ProtoWriter;
 use foxglove::Encode;
 use mcap::records::MessageHeader;
 use mcap::{Attachment, Compression, WriteOptions, Writer};
@@ -36,14 +37,27 @@ pub(super) struct Channel {
     sequence: u32,
 }
 
+/// Level of zstd. Numbers hardly compress: the levels below 0 try less and leave 1 to 17 % more than
+/// level 1. The library passes the level on as a signed number. Compression alone, HOAP-2 at 200 Hz:
+///
+/// | level | 1 | -1 | -2 | -3 | -5 | LZ4 |
+/// |---|---|---|---|---|---|---|
+/// | us a frame | 7.5 | 5.6 | 4.9 | 4.4 | 3.5 | 4.4 |
+/// | kB a frame | 1.72 | 1.74 | 1.79 | 1.89 | 2.01 | 2.08 |
+const LEVEL: i32 = -2;
+
+/// Bytes of a chunk before compression. The window of zstd has as many at these levels, so it never wraps
+/// within a chunk, which would be slower.
+const CHUNK: u64 = 512 << 10;
+
 /// Options of all logs.
 pub(in crate::log) fn log_options() -> WriteOptions {
-    // For a 25-joint robot, level 1 leaves 3.4 kB a tick (LZ4 4.0, none 9.0) for 3 us more than
-    // LZ4. Runs already occupy every core, so the log has no threads.
+    // Runs already occupy every core, so the log has no threads.
     WriteOptions::new()
         .library(concat!("stiction ", env!("CARGO_PKG_VERSION")))
         .compression(Some(Compression::Zstd))
-        .compression_level(1)
+        .compression_level(LEVEL.cast_unsigned())
+        .chunk_size(Some(CHUNK))
         .compression_threads(0)
 }
 
@@ -138,6 +152,32 @@ impl LogOutput {
         }
         self.bytes.clear();
         message.encode(&mut self.bytes).map_err(|e| RecordError::Encode { topic: to.topic, reason: e.to_string() })?;
+        self.write(to, time)
+    }
+
+    /// Writes a protobuf message at `time` nanoseconds, whose fields `write` encodes.
+    #[inline]
+    pub fn send_fields(
+        &mut self,
+        to: &mut Channel,
+        time: u64,
+        write: impl FnOnce(&mut ProtoWriter),
+    ) -> Result<(), RecordError> {
+        if !self.is_received(to) {
+            return Ok(());
+        }
+        self.bytes.clear();
+        write(&mut ProtoWriter::new(&mut self.bytes));
+        self.write(to, time)
+    }
+
+    /// Writes an encoded message at `time` nanoseconds.
+    pub fn send_bytes(&mut self, to: &mut Channel, time: u64, bytes: &[u8]) -> Result<(), RecordError> {
+        if !self.is_received(to) {
+            return Ok(());
+        }
+        self.bytes.clear();
+        self.bytes.extend_from_slice(bytes);
         self.write(to, time)
     }
 

@@ -63,7 +63,6 @@ pub struct LogWriter {
     due: f64,
     viewer_period: f64,
     events: EventTopics,
-    links: usize,
     joints: usize,
     soles: usize,
 }
@@ -120,7 +119,6 @@ impl LogWriter {
             // Instants of the log are rounded.
             viewer_period: 0.99 / header.viewer_rate,
             events,
-            links: model.links.len(),
             joints: model.joints.len(),
             soles: model.soles.len(),
         })
@@ -145,7 +143,6 @@ impl LogWriter {
 
     fn check(&self, s: &Snapshot) -> Result<(), RecordError> {
         let counts = [
-            ("link poses", s.link_poses.len(), self.links),
             ("joint positions", s.q.len(), self.joints),
             ("joint velocities", s.qd.len(), self.joints),
             ("soles", s.soles.len(), self.soles),

@@ -2,16 +2,13 @@
 //! centre of pressure, support polygon, point of optimal stability, and points of tasks.
 
 use crate::files::RecordError;
-use crate::log::write::conversion::{colour, point, pose, pose_at, timestamp};
 use crate::log::write::frames_topic::world_frame;
 use crate::log::write::log_output::{Channel, LogOutput};
-use crate::log::write::scene_shapes::entity;
+use crate::log::write::proto_writer::ProtoWriter;
 use crate::log::write::topic::Topic;
 use crate::robot::Model;
 use crate::sim::{Snapshot, SoleSnapshot};
-use foxglove::messages::{
-    ArrowPrimitive, LinePrimitive, SceneEntity, SceneUpdate, SpherePrimitive, Vector3 as Size, line_primitive,
-};
+use foxglove::messages::{SceneUpdate, line_primitive};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 const STATIC: [f32; 4] = [0.1, 0.65, 0.25, 1.0];
@@ -30,26 +27,50 @@ const STANDARD_GRAVITY: f64 = 9.806_65;
 
 pub(super) struct MarkerTopic {
     channel: Channel,
-    /// One entity per sole, then external forces, then balance, then points of tasks, then other links
-    /// once any has touched.
-    message: SceneUpdate,
+    /// Encoded heads of the entities of soles, and of the others.
+    soles: Vec<Vec<u8>>,
+    others: [Vec<u8>; OTHERS.len()],
+    links: Vec<u8>,
+    /// True once another link has touched. From then on links have an entity: an empty one replaces its
+    /// predecessor.
+    has_links: bool,
     metres_per_newton: f64,
     /// Diameter of a vertex marker, m.
     size: f64,
 }
 
-/// Number of entities after those of the soles, without links.
-const OTHERS: usize = 3;
+/// Entities after those of the soles: external forces, balance, points of tasks.
+const OTHERS: [&str; 3] = ["external", "balance", "points"];
+
+/// Fields of `foxglove.SceneEntity`.
+const TIMESTAMP: u32 = 1;
+const FRAME: u32 = 2;
+const ID: u32 = 3;
+const FRAME_LOCKED: u32 = 5;
+const ARROWS: u32 = 7;
+const SPHERES: u32 = 9;
+const LINES: u32 = 11;
+
+/// Frame and name of an entity, encoded.
+fn head(frame: &str, id: &str) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut to = ProtoWriter::new(&mut bytes);
+    to.text(FRAME, frame);
+    to.text(ID, id);
+    to.uint(FRAME_LOCKED, 1);
+    bytes
+}
 
 impl MarkerTopic {
     pub fn open(output: &mut LogOutput, model: &Model) -> Result<Self, RecordError> {
         let world = world_frame(model);
-        let soles = model.soles.iter().map(|s| entity(world, format!("contact/{}", s.name)));
-        let others = ["external", "balance", "points"].map(|id| entity(world, id.to_owned()));
         let weight = (model.mass() * STANDARD_GRAVITY).max(f64::MIN_POSITIVE);
         Ok(Self {
             channel: output.foxglove::<SceneUpdate>("/scene/contact")?,
-            message: SceneUpdate { deletions: Vec::new(), entities: soles.chain(others).collect() },
+            soles: model.soles.iter().map(|s| head(world, &format!("contact/{}", s.name))).collect(),
+            others: OTHERS.map(|id| head(world, id)),
+            links: head(world, "contact/links"),
+            has_links: false,
             metres_per_newton: WEIGHT_ARROW / weight,
             size: marker_size(model),
         })
@@ -65,44 +86,55 @@ fn marker_size(model: &Model) -> f64 {
 
 impl Topic for MarkerTopic {
     fn record(&mut self, time: u64, s: &Snapshot, output: &mut LogOutput) -> Result<(), RecordError> {
-        let stamp = timestamp(time);
-        for to in &mut self.message.entities {
-            to.timestamp = Some(stamp);
-            to.arrows.clear();
-            to.spheres.clear();
-        }
-        if !s.links.is_empty() && self.message.entities.len() == s.soles.len() + OTHERS {
-            let frame = self.message.entities[s.soles.len()].frame_id.clone();
-            self.message
-                .entities
-                .push(SceneEntity { timestamp: Some(stamp), ..entity(&frame, "contact/links".to_owned()) });
-        }
-        let (soles, others) = self.message.entities.split_at_mut(s.soles.len());
-        for (to, sole) in soles.iter_mut().zip(&s.soles) {
-            draw_sole(sole, self.size, self.metres_per_newton, to);
-        }
-        if let [external, balance, points, links @ ..] = others {
-            if let [to, ..] = links {
-                s.links.iter().for_each(|(_, link)| draw_sole(link, self.size, self.metres_per_newton, to));
+        /// Field of `foxglove.SceneUpdate`.
+        const ENTITIES: u32 = 2;
+        self.has_links |= !s.links.is_empty();
+        let (size, scale) = (self.size, self.metres_per_newton);
+        output.send_fields(&mut self.channel, time, |to| {
+            let mut entity = |head: &[u8], draw: &dyn Fn(&mut ProtoWriter)| {
+                to.message(ENTITIES, |to| {
+                    to.timestamp(TIMESTAMP, time);
+                    to.encoded(head);
+                    draw(to);
+                });
+            };
+            for (head, sole) in self.soles.iter().zip(&s.soles) {
+                entity(head, &|to| draw_soles(std::iter::once(sole), size, scale, to));
             }
-            for (at, force) in &s.external {
-                external.arrows.extend(arrow(at, force, self.metres_per_newton, EXTERNAL));
+            let [external, balance, points] = &self.others;
+            entity(external, &|to| {
+                s.external.iter().for_each(|(at, force)| write_arrow(at, force, scale, EXTERNAL, to));
+            });
+            entity(balance, &|to| draw_balance(s, size, to));
+            entity(points, &|to| {
+                let shown = s.points.iter().filter_map(|point| point.position);
+                shown.for_each(|at| write_ball(&at, 1.5 * size, POINT, to));
+            });
+            if self.has_links {
+                entity(&self.links, &|to| draw_soles(s.links.iter().map(|(_, link)| link), size, scale, to));
             }
-            draw_balance(s, self.size, balance);
-            let shown = s.points.iter().filter_map(|point| point.position);
-            points.spheres.extend(shown.map(|at| ball(&at, 1.5 * self.size, POINT)));
-        }
-        output.send(&mut self.channel, time, &self.message)
+        })
     }
 }
 
-fn draw_sole(sole: &SoleSnapshot, size: f64, metres_per_newton: f64, to: &mut SceneEntity) {
-    let rgba = state_colour(&sole.state);
-    for (at, _) in sole.positions.iter().zip(&sole.clamped).filter(|(_, clamped)| **clamped) {
-        to.spheres.push(ball(at, size, rgba));
+/// Forces and clamped vertices of soles, or of links as one entity.
+fn draw_soles<'a>(
+    soles: impl Iterator<Item = &'a SoleSnapshot> + Clone,
+    size: f64,
+    metres_per_newton: f64,
+    to: &mut ProtoWriter,
+) {
+    for sole in soles.clone() {
+        let rgba = state_colour(&sole.state);
+        for (at, force) in sole.positions.iter().zip(&sole.forces) {
+            write_arrow(at, force, metres_per_newton, rgba, to);
+        }
     }
-    for (at, force) in sole.positions.iter().zip(&sole.forces) {
-        to.arrows.extend(arrow(at, force, metres_per_newton, rgba));
+    for sole in soles {
+        let rgba = state_colour(&sole.state);
+        for (at, _) in sole.positions.iter().zip(&sole.clamped).filter(|(_, clamped)| **clamped) {
+            write_ball(at, size, rgba, to);
+        }
     }
 }
 
@@ -116,81 +148,117 @@ fn state_colour(state: &str) -> [f32; 4] {
     }
 }
 
-fn draw_balance(s: &Snapshot, size: f64, to: &mut SceneEntity) {
-    to.spheres.push(ball(&s.com, 2.0 * size, MASS));
-    if let Some(cop) = &s.centre_of_pressure {
-        to.spheres.push(ball(cop, 1.5 * size, PRESSURE));
-    }
-    if let Some(stable) = &s.stable_point {
-        to.spheres.push(ball(stable, 1.5 * size, STABLE));
-    }
-    // An entity replaces its predecessor, so an empty list removes the old polygon.
+fn draw_balance(s: &Snapshot, size: f64, to: &mut ProtoWriter) {
+    write_ball(&s.com, 2.0 * size, MASS, to);
+    s.centre_of_pressure.iter().for_each(|cop| write_ball(cop, 1.5 * size, PRESSURE, to));
+    s.stable_point.iter().for_each(|stable| write_ball(stable, 1.5 * size, STABLE, to));
+    // An entity replaces its predecessor, so without this list the old polygon vanishes.
     if s.support_polygon.len() < 2 {
-        to.lines.clear();
         return;
     }
-    if to.lines.is_empty() {
-        to.lines.push(LinePrimitive {
-            r#type: line_primitive::Type::LineLoop.into(),
-            pose: Some(pose(&Isometry3::identity())),
-            thickness: 2.0,
-            scale_invariant: true,
-            color: Some(colour(SUPPORT)),
-            ..Default::default()
-        });
-    }
-    let points = &mut to.lines[0].points;
-    points.clear();
-    points.extend(s.support_polygon.iter().map(point));
+    // Fields of `foxglove.LinePrimitive`.
+    to.message(LINES, |to| {
+        to.uint(1, line_primitive::Type::LineLoop as u64);
+        to.foxglove_pose(2, &Isometry3::identity());
+        to.double(3, 2.0);
+        to.uint(4, 1);
+        to.vectors(5, &s.support_polygon);
+        to.foxglove_colour(6, SUPPORT);
+    });
 }
 
-fn ball(at: &Vector3<f64>, diameter: f64, rgba: [f32; 4]) -> SpherePrimitive {
-    let size = Size { x: diameter, y: diameter, z: diameter };
-    SpherePrimitive { pose: Some(pose_at(at)), size: Some(size), color: Some(colour(rgba)) }
+/// Fields of `foxglove.SpherePrimitive`.
+fn write_ball(at: &Vector3<f64>, diameter: f64, rgba: [f32; 4], to: &mut ProtoWriter) {
+    to.message(SPHERES, |to| {
+        to.foxglove_pose(1, &Isometry3::from_parts((*at).into(), UnitQuaternion::identity()));
+        to.numbers(2, [diameter; 3]);
+        to.foxglove_colour(3, rgba);
+    });
 }
 
-/// An arrow from `at` along `force`; none for an invisibly small or non-finite force.
-fn arrow(at: &Vector3<f64>, force: &Vector3<f64>, metres_per_newton: f64, rgba: [f32; 4]) -> Option<ArrowPrimitive> {
-    let length = force.norm() * metres_per_newton;
+/// An arrow from `at` along `force`; none for an invisibly small or non-finite force. Its direction and
+/// lengths have single precision, as on the screen: they are drawn only, and compress better.
+/// Fields of `foxglove.ArrowPrimitive`.
+fn write_arrow(at: &Vector3<f64>, force: &Vector3<f64>, metres_per_newton: f64, rgba: [f32; 4], to: &mut ProtoWriter) {
+    let single = |x: f64| f64::from(x as f32);
+    let norm = force.norm();
+    let length = norm * metres_per_newton;
     if !(length > 1e-3 && length.is_finite()) {
-        return None;
+        return;
     }
-    // An arrow points along x. A force along -x has no unique shortest rotation; it is turned about
-    // z.
-    let rotation = UnitQuaternion::rotation_between(&Vector3::x(), force)
-        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI));
+    let [x, y, z, w] = from_x_axis(&(force / norm));
     let width = (0.06 * length).clamp(0.002, 0.02);
     let head = (0.25 * length).min(0.06);
-    Some(ArrowPrimitive {
-        pose: Some(pose(&Isometry3::from_parts((*at).into(), rotation))),
-        shaft_length: length - head,
-        shaft_diameter: width,
-        head_length: head,
-        head_diameter: 2.0 * width,
-        color: Some(colour(rgba)),
-    })
+    to.message(ARROWS, |to| {
+        to.message(1, |to| {
+            to.vector(1, at);
+            to.numbers(2, [x, y, z, w].map(single));
+        });
+        to.double(2, single(length - head));
+        to.double(3, single(width));
+        to.double(4, single(head));
+        to.double(5, single(2.0 * width));
+        to.foxglove_colour(6, rgba);
+    });
+}
+
+/// The shortest rotation of the x axis, along which an arrow points, to a unit vector: x, y, z, w. Near
+/// -x it is nearly half a turn about any axis; at -x it is about z.
+///
+/// ```text
+/// w = sqrt((1 + d_x) / 2),  (x, y, z) = (e_x x d) / 2 w
+/// ```
+fn from_x_axis(d: &Vector3<f64>) -> [f64; 4] {
+    let across = (d.y * d.y + d.z * d.z).sqrt();
+    // Half the angle, by its sine and cosine: `1 + d_x` loses all digits near -x.
+    let w = if d.x > 0.0 { (0.5 * (1.0 + d.x)).sqrt() } else { across * 0.5 / (0.5 * (1.0 - d.x)).sqrt() };
+    let sine = if d.x > 0.0 { across * 0.5 / w } else { (0.5 * (1.0 - d.x)).sqrt() };
+    let (y, z) = if across > 0.0 { (-d.z / across, d.y / across) } else { (0.0, 1.0) };
+    [0.0, sine * y, sine * z, w]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use foxglove::messages::SceneEntity;
+    use prost::Message as _;
+
+    /// The arrow of a force, read back as an entity.
+    fn arrow(force: &Vector3<f64>) -> Option<foxglove::messages::ArrowPrimitive> {
+        let mut bytes = Vec::new();
+        write_arrow(&Vector3::zeros(), force, 0.1, STATIC, &mut ProtoWriter::new(&mut bytes));
+        SceneEntity::decode(bytes.as_slice()).unwrap().arrows.pop()
+    }
 
     #[test]
     fn an_arrow_has_direction_and_scaled_length_of_its_force() {
         for force in [
             Vector3::new(-3.0, 0.0, 0.0),
             Vector3::new(3.0, 0.0, 0.0),
+            Vector3::new(0.0, 0.0, 3.0),
             Vector3::new(0.1, -2.0, 5.0),
             Vector3::new(-1.0, 1e-9, 0.0),
         ] {
-            let a = arrow(&Vector3::zeros(), &force, 0.1, STATIC).unwrap();
+            let a = arrow(&force).unwrap();
             let q = a.pose.unwrap().orientation.unwrap();
             let rotation = UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(q.w, q.x, q.y, q.z));
-            // Error: the acos of a near-parallel pair loses half the digits, 1e-8.
-            assert!((rotation * Vector3::x() - force.normalize()).norm() < 1e-7, "{force:?}");
-            assert!((a.shaft_length + a.head_length - 0.1 * force.norm()).abs() < 1e-15);
+            // Single precision is 6e-8 of each component, which the rotation doubles.
+            assert!((rotation * Vector3::x() - force.normalize()).norm() < 3e-7, "{force:?}");
+            assert!((a.shaft_length + a.head_length - 0.1 * force.norm()).abs() < 1e-7 * force.norm());
         }
-        assert_eq!(arrow(&Vector3::zeros(), &Vector3::zeros(), 0.1, STATIC), None);
-        assert_eq!(arrow(&Vector3::zeros(), &Vector3::repeat(f64::NAN), 0.1, STATIC), None);
+        assert_eq!(arrow(&Vector3::zeros()), None);
+        assert_eq!(arrow(&Vector3::repeat(f64::NAN)), None);
+    }
+
+    #[test]
+    fn the_rotation_of_an_arrow_is_exact_before_rounding_to_single_precision() {
+        for (k, x) in [1.0_f64, 0.6, 1e-9, -1e-9, -0.6, -0.999_999_999, -1.0].into_iter().enumerate() {
+            let d = Vector3::new(x, (1.0 - x * x).sqrt() * 0.6, -(1.0 - x * x).sqrt() * 0.8).normalize();
+            let [i, j, k_part, w] = from_x_axis(&d);
+            let rotation = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, i, j, k_part));
+            // A few roundings of numbers up to 1.
+            assert!((rotation.norm() - 1.0).abs() < 1e-15, "{k}");
+            assert!((rotation * Vector3::x() - d).norm() < 2e-15, "{k}");
+        }
     }
 }

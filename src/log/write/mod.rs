@@ -20,6 +20,7 @@ mod log_writer;
 mod marker_topic;
 mod message_sink;
 mod objects_topic;
+mod proto_writer;
 mod residual_topic;
 mod scene_shapes;
 mod self_collision_topic;

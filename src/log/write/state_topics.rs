@@ -2,20 +2,16 @@
 //! `/joint_states`, with `/robot_description`.
 
 use crate::files::RecordError;
-use crate::log::messages::{Force, Quaternion, State};
 use crate::log::ros;
-use crate::log::write::conversion::{to_message, to_messages};
 use crate::log::write::log_header::LogHeader;
 use crate::log::write::log_output::{Channel, LogOutput};
+use crate::log::write::proto_writer::extend_with_doubles;
 use crate::log::write::topic::Topic;
 use crate::robot::{JointKind, Model};
 use crate::sim::Snapshot;
 use std::collections::BTreeMap;
 
-pub(super) struct StateTopic {
-    channel: Channel,
-    message: State,
-}
+pub(super) struct StateTopic(Channel);
 
 impl StateTopic {
     pub fn open(output: &mut LogOutput, model: &Model) -> Result<Self, RecordError> {
@@ -23,7 +19,7 @@ impl StateTopic {
         let kinds: Vec<&str> = model.joints.iter().map(|j| kind(j.kind)).collect();
         let list = |names: &[&str]| serde_json::json!(names).to_string();
         let metadata = BTreeMap::from([("joints".to_owned(), list(&names)), ("joint_kinds".to_owned(), list(&kinds))]);
-        Ok(Self { channel: output.stiction("/state", "State", metadata)?, message: State::default() })
+        Ok(Self(output.stiction("/state", "State", metadata)?))
     }
 }
 
@@ -37,68 +33,89 @@ fn kind(kind: JointKind) -> &'static str {
 }
 
 impl Topic for StateTopic {
+    /// Fields as in [`State`](crate::log::messages::State).
     fn record(&mut self, time: u64, s: &Snapshot, output: &mut LogOutput) -> Result<(), RecordError> {
-        let m = &mut self.message;
-        let r = &s.base_pose.rotation;
-        m.time = s.time;
-        m.base_position = Some(to_message(&s.base_pose.translation.vector));
-        m.base_orientation = Some(Quaternion { w: r.w, x: r.i, y: r.j, z: r.k });
-        m.base_linear_velocity = Some(to_message(&s.base_linear_velocity));
-        m.base_angular_velocity = Some(to_message(&s.base_angular_velocity));
-        m.q.clone_from(&s.q);
-        m.qd.clone_from(&s.qd);
-        m.q_desired.clone_from(&s.q_desired);
-        m.qd_desired.clone_from(&s.qd_desired);
-        m.effort.clone_from(&s.effort);
-        m.effort_desired.clone_from(&s.effort_desired);
-        m.com = Some(to_message(&s.com));
-        m.com_velocity = Some(to_message(&s.com_velocity));
-        m.cop = s.centre_of_pressure.as_ref().map(to_message);
-        m.stable_point = s.stable_point.as_ref().map(to_message);
-        to_messages(&s.support_polygon, &mut m.support_polygon);
-        // The points are mostly the same as at the last tick, so their names keep their storage.
-        m.points.resize_with(s.points.len(), Default::default);
-        for (to, from) in m.points.iter_mut().zip(&s.points) {
-            to.name.clone_from(&from.name);
-            to.position = from.position.as_ref().map(to_message);
-        }
-        m.external.clear();
-        m.external
-            .extend(s.external.iter().map(|(p, f)| Force { point: Some(to_message(p)), force: Some(to_message(f)) }));
-        output.send(&mut self.channel, time, m)
+        output.send_fields(&mut self.0, time, |to| {
+            to.double(1, s.time);
+            to.vector(2, &s.base_pose.translation.vector);
+            to.quaternion(3, &s.base_pose.rotation);
+            to.vector(4, &s.base_linear_velocity);
+            to.vector(5, &s.base_angular_velocity);
+            to.doubles(6, &s.q);
+            to.doubles(7, &s.qd);
+            to.doubles(8, &s.q_desired);
+            to.doubles(9, &s.qd_desired);
+            to.doubles(10, &s.effort);
+            to.vector(11, &s.com);
+            to.vector(12, &s.com_velocity);
+            s.centre_of_pressure.iter().for_each(|p| to.vector(13, p));
+            to.vectors(14, &s.support_polygon);
+            for (point, force) in &s.external {
+                to.message(15, |to| {
+                    to.vector(1, point);
+                    to.vector(2, force);
+                });
+            }
+            s.stable_point.iter().for_each(|p| to.vector(16, p));
+            to.doubles(17, &s.effort_desired);
+            for point in &s.points {
+                to.message(18, |to| {
+                    to.text(1, &point.name);
+                    point.position.iter().for_each(|p| to.vector(2, p));
+                });
+            }
+        })
     }
 }
 
 pub(super) struct JointStateTopic {
     channel: Channel,
-    message: ros::JointState,
+    /// The message; its lists begin after `names` bytes.
+    message: Vec<u8>,
+    names: usize,
 }
+
+/// Bytes before the content of a CDR message; alignment counts from their end.
+const ENCAPSULATION: usize = 4;
 
 impl JointStateTopic {
     /// Opens the topic and writes the robot's description, once.
     pub fn open(output: &mut LogOutput, model: &Model, header: &LogHeader) -> Result<Self, RecordError> {
         let mut description = output.ros("/robot_description", "std_msgs/msg/String", ros::STRING)?;
         output.send_cdr(&mut description, 0, &ros::Text { data: header.urdf.text.to_owned() })?;
+        let names: Vec<&str> = model.joints.iter().map(|j| j.name.as_str()).collect();
+        let start = ros::Header { stamp: ros::Time::from_nanoseconds(0), frame_id: String::new() };
+        let message = cdr::serialize::<_, _, cdr::CdrLe>(&(start, names), cdr::Infinite)
+            .map_err(|e| RecordError::Encode { topic: "/joint_states", reason: e.to_string() })?;
         Ok(Self {
             channel: output.ros("/joint_states", "sensor_msgs/msg/JointState", ros::JOINT_STATE)?,
-            message: ros::JointState {
-                header: ros::Header { stamp: ros::Time::from_nanoseconds(0), frame_id: String::new() },
-                name: model.joints.iter().map(|j| j.name.clone()).collect(),
-                position: Vec::new(),
-                velocity: Vec::new(),
-                effort: Vec::new(),
-            },
+            names: message.len(),
+            message,
         })
+    }
+
+    /// Appends a list of numbers: its length, aligned to 4 bytes, and the numbers, aligned to 8.
+    fn append(&mut self, list: &[f64]) {
+        let m = &mut self.message;
+        let align =
+            |m: &mut Vec<u8>, to: usize| m.resize((m.len() - ENCAPSULATION).next_multiple_of(to) + ENCAPSULATION, 0);
+        align(m, 4);
+        m.extend_from_slice(&(list.len() as u32).to_le_bytes());
+        if !list.is_empty() {
+            align(m, 8);
+            extend_with_doubles(m, list);
+        }
     }
 }
 
 impl Topic for JointStateTopic {
+    /// Fields as in [`JointState`](ros::JointState).
     fn record(&mut self, time: u64, s: &Snapshot, output: &mut LogOutput) -> Result<(), RecordError> {
-        let m = &mut self.message;
-        m.header.stamp = ros::Time::from_nanoseconds(time);
-        m.position.clone_from(&s.q);
-        m.velocity.clone_from(&s.qd);
-        m.effort.clone_from(&s.effort);
-        output.send_cdr(&mut self.channel, time, m)
+        let stamp = ros::Time::from_nanoseconds(time);
+        self.message.truncate(self.names);
+        self.message[ENCAPSULATION..ENCAPSULATION + 4].copy_from_slice(&stamp.sec.to_le_bytes());
+        self.message[ENCAPSULATION + 4..ENCAPSULATION + 8].copy_from_slice(&stamp.nanosec.to_le_bytes());
+        [&s.q, &s.qd, &s.effort].into_iter().for_each(|list| self.append(list));
+        output.send_bytes(&mut self.channel, time, &self.message)
     }
 }

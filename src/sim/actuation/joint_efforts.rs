@@ -61,6 +61,15 @@ pub fn desired_effort(j: usize, q: f64, qd: f64, command: &Command) -> f64 {
     }
 }
 
+/// Bound of the rounding error of [`desired_effort`] and of its mean over a step, whose terms are of the
+/// same size: 16 roundings of each.
+#[inline]
+pub fn effort_rounding(j: usize, q: f64, qd: f64, command: &Command) -> f64 {
+    let position = command.kp[j] * (command.position[j].abs() + q.abs());
+    let velocity = command.kd[j] * (command.velocity[j].abs() + qd.abs());
+    16.0 * f64::EPSILON * (position + velocity + command.effort[j].abs())
+}
+
 /// Servo effort, and whether the limit clips it.
 #[inline]
 pub fn servo(joint: &Joint, j: usize, q: f64, qd: f64, command: &Command) -> (f64, bool) {

@@ -21,7 +21,6 @@ pub fn blank(model: &Model) -> Snapshot {
         effort_desired: vec![0.0; model.nj()],
         q_desired: vec![0.0; model.nj()],
         qd_desired: vec![0.0; model.nj()],
-        link_poses: vec![Isometry3::identity(); model.links.len()],
         soles: model
             .soles
             .iter()
@@ -90,17 +89,13 @@ pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
     out.effort.copy_from_slice(&plant.drives.efforts);
     for (j, desired) in out.effort_desired.iter_mut().enumerate() {
         let kinematic = plant.command.mode[j] == DriveMode::Kinematic;
-        let servo = joint_efforts::desired_effort(j, state.joints[j], state.v[nb + j], plant.followed_command());
-        *desired = if kinematic { plant.drives.efforts[j] } else { servo };
+        let (q, qd, command) = (state.joints[j], state.v[nb + j], plant.followed_command());
+        let (servo, applied) = (joint_efforts::desired_effort(j, q, qd, command), plant.drives.efforts[j]);
+        let is_applied = (servo - applied).abs() <= joint_efforts::effort_rounding(j, q, qd, command);
+        *desired = if kinematic || is_applied { applied } else { servo };
     }
     out.q_desired.copy_from_slice(&plant.command.position);
     out.qd_desired.copy_from_slice(&plant.command.velocity);
-    for (i, pose) in out.link_poses.iter_mut().enumerate() {
-        let rotation =
-            UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(plant.ws.links[i].rotation));
-        let position = plant.ws.links[i].origin + plant.ws.position;
-        *pose = Isometry3::from_parts(Translation3::from(position), rotation) * model.links[i].urdf_frame;
-    }
     out.object_poses.clear();
     for (object, ws) in plant.objects.list.iter().zip(&plant.objects.ws) {
         for (link, moved) in object.model.links.iter().zip(&ws.links) {
