@@ -1,7 +1,8 @@
 //! Writes protobuf messages directly into a byte buffer, in the wire format of proto3.
 //!
-//! Each value is copied once. A message type would be filled, measured and then encoded. As in proto3, zeros, empty texts and empty lists are left out. The readers decode
-//! with the types of [`crate::log::messages`] and of Foxglove; tests compare the two.
+//! Each value is copied once. A message type would be filled, measured and then encoded. As in
+//! proto3, zeros, empty texts and empty lists are left out. The readers decode with the types of
+//! [`crate::log::messages`] and of Foxglove; tests compare the two.
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
