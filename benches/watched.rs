@@ -116,7 +116,6 @@ mod one_step {
 }
 
 /// `runner run --live --no-log` and `runner run --live`.
-#[cfg(feature = "live")]
 mod live {
     use super::*;
     use std::io::{Read, Write};

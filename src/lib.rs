@@ -53,7 +53,6 @@ pub mod geometry;
 pub mod integrate;
 #[cfg_attr(doc, doc(hidden))]
 pub mod linalg;
-#[cfg(feature = "live")]
 #[cfg_attr(doc, doc(hidden))]
 pub mod live;
 #[cfg_attr(doc, doc(hidden))]

@@ -9,7 +9,6 @@
 pub mod console;
 pub mod filter;
 pub mod http;
-#[cfg(feature = "live")]
 pub mod live;
 pub mod log;
 pub mod mesh;

@@ -33,7 +33,8 @@ impl StiffPart {
     pub fn new(n: usize, rank: usize) -> Self {
         StiffPart {
             columns: vec![vec![0.0; n]; rank],
-            rows: vec![Vec::with_capacity(n); rank],
+            // A clone of an empty list has no room.
+            rows: (0..rank).map(|_| Vec::with_capacity(n)).collect(),
             rank: 0,
             rates: Vec::with_capacity(2 * n),
             by_time: Vec::with_capacity(n),

@@ -26,7 +26,6 @@ const TARGETS: &[(&str, Take)] = &[
     ("results", targets::results::take),
     ("log", targets::log::take),
     ("http", targets::http::take),
-    #[cfg(feature = "live")]
     ("live", targets::live::take),
     ("filter", targets::filter::take),
     ("console", targets::console::take),

@@ -178,7 +178,6 @@ fn nearly_valid_http_requests_do_not_panic() {
     }
 }
 
-#[cfg(feature = "live")]
 #[test]
 fn nearly_valid_live_clients_do_not_panic() {
     use targets::live::{HANDSHAKE, KINDS, MESSAGES, frame, take};

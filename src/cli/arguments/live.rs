@@ -36,7 +36,6 @@ impl Live {
         self.listen(address, pace).map(Some)
     }
 
-    #[cfg(feature = "live")]
     fn listen(&self, address: &HostAddress, pace: Option<f64>) -> Result<Box<dyn LiveClients>, LiveError> {
         let access = stiction::web::LocalAccess {
             hosts: vec![address.host.clone()],
@@ -53,12 +52,6 @@ impl Live {
         complain(&format!("live at ws://{}", server.address()));
         Ok(Box::new(Server { server, pace, wait_limit: self.live_wait, notes: std::sync::Mutex::default() }))
     }
-
-    #[cfg(not(feature = "live"))]
-    fn listen(&self, address: &HostAddress, _: Option<f64>) -> Result<Box<dyn LiveClients>, LiveError> {
-        let _ = (&address.host, &self.live_wait, &self.live_origin);
-        Err(LiveError::NotBuilt)
-    }
 }
 
 /// Parses an origin.
@@ -67,7 +60,6 @@ fn origin(text: &str) -> Result<String, LiveError> {
 }
 
 /// Text about a client that is not permitted.
-#[cfg(feature = "live")]
 fn refusal(reason: &stiction::web::AccessError) -> String {
     use stiction::web::AccessError::{Host, Hosts, Origin, Origins};
     let help = match reason {
@@ -89,21 +81,15 @@ pub enum LiveError {
     /// The plan has several runs.
     #[error("--live streams one run, and this is {0}: choose one with --filter or --set")]
     SeveralRuns(String),
-    /// The program lacks the feature.
-    #[cfg(not(feature = "live"))]
-    #[error("this program was built without --live; `cargo build --release --features live` builds it with")]
-    NotBuilt,
     /// Not `SCHEME://HOST` or `SCHEME://HOST:PORT`.
     #[error("expected an origin without a path, such as https://viewer.example.org")]
     Origin,
     /// The address cannot be listened on.
-    #[cfg(feature = "live")]
     #[error(transparent)]
     Listen(#[from] stiction::remote::LinkError),
 }
 
 /// Live clients of one run.
-#[cfg(feature = "live")]
 struct Server {
     server: stiction::live::LiveServer,
     pace: Option<f64>,
@@ -111,7 +97,6 @@ struct Server {
     notes: std::sync::Mutex<Vec<String>>,
 }
 
-#[cfg(feature = "live")]
 impl LiveClients for Server {
     fn sink(&self) -> Box<dyn stiction::log::MessageSink> {
         self.server.sink()
@@ -142,7 +127,6 @@ impl LiveClients for Server {
     }
 }
 
-#[cfg(feature = "live")]
 impl Server {
     fn note(&self, text: String) {
         self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push(format!("live: {text}"));

@@ -13,7 +13,7 @@
 //! force there.
 
 use super::Plant;
-use super::implicit_forces::{Derivatives, Evaluation};
+use super::stiff_products::{Derivatives, Evaluation};
 use crate::contact::methods::contact_method::VertexSlopes;
 use crate::contact::model::solution::wrench_at;
 use crate::dynamics::reduced;
@@ -41,6 +41,9 @@ pub(super) struct ContactStiffness {
 impl ContactStiffness {
     /// Finds the vertices in the floor. Returns whether others have a stiff force.
     pub fn find(&mut self, plant: &Plant) -> bool {
+        if plant.is_compliant() {
+            self.reserve(plant);
+        }
         self.vertices.clear();
         plant.method.slopes(&plant.problem, &mut |s, i, slopes| self.vertices.push((s, i, slopes)));
         self.present.clear();
@@ -67,6 +70,20 @@ impl ContactStiffness {
                 }
                 plant.respond_to_wrench(s, &unit, before, column);
             }
+        }
+    }
+
+    /// Makes room for all vertices of the floor.
+    fn reserve(&mut self, plant: &Plant) {
+        let vertices = plant.problem.soles.iter().map(|sole| sole.vertices.len()).sum();
+        if self.vertices.capacity() < vertices {
+            self.vertices.reserve(vertices - self.vertices.len());
+            for list in [&mut self.polygons, &mut self.present] {
+                list.reserve(plant.polygons.len());
+            }
+            let nv = plant.acceleration.len();
+            self.wrench.iter_mut().chain(&mut self.powers).for_each(|list| list.clear(nv));
+            self.jacobian.iter_mut().for_each(|row| row.resize(nv, 0.0));
         }
     }
 

@@ -14,7 +14,7 @@
 //! kept for some steps: W-methods need no exact derivative.
 
 use super::Plant;
-use super::implicit_forces::Evaluation;
+use super::stiff_products::Evaluation;
 use crate::dynamics::reduced;
 use crate::integrate::StiffPart;
 use crate::robot::Model;

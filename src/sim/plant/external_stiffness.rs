@@ -11,7 +11,7 @@
 //! c_k are the accelerations and powers per unit force along axis k of the world, what the contacts react included.
 
 use super::Plant;
-use super::implicit_forces::{Derivatives, Evaluation};
+use super::stiff_products::{Derivatives, Evaluation};
 use crate::dynamics::jacobian;
 use crate::force::{Damper, Slope};
 use crate::integrate::StiffPart;

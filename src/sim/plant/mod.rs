@@ -30,6 +30,7 @@ pub mod sliding_directions;
 pub mod sole_impulses;
 pub mod sole_loads;
 pub mod state_layout;
+mod stiff_products;
 pub mod system;
 
 pub use energy_flows::EnergyFlows;
