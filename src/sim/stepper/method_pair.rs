@@ -168,14 +168,19 @@ impl MethodPair {
         let stiff = &mut self.stiff.stiff;
         implicit.forces.write(plant, stiff);
         implicit.age = if renew { 0 } else { implicit.age + 1 };
-        if renew {
+        let mut is_complete = false;
+        if renew && implicit.choice == ImplicitSteps::Auto {
             stiff.complete();
             implicit.rate = stiff.rate_bound();
+            is_complete = true;
         }
         if plant.friction_rate_estimate() * h > TOGETHER {
             plant.friction_stiffness(stiff);
+            is_complete = false;
         }
-        stiff.complete();
+        if !is_complete {
+            stiff.complete();
+        }
     }
 
     /// Whether forces are implicit in the next step.
