@@ -56,7 +56,7 @@ fn each(bencher: Bencher, setup: Setup, observer: &mut dyn Observer) {
 }
 
 /// A log in this folder, and other outputs.
-fn log(setup: &Setup, folder: Option<&Path>, outlet: Option<Box<dyn MessageSink>>) -> LogWriter {
+pub fn log(setup: &Setup, folder: Option<&Path>, outlet: Option<Box<dyn MessageSink>>) -> LogWriter {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.urdf");
     let urdf = std::fs::read_to_string(file).expect("our own robot");
     let header = LogHeader {
@@ -89,30 +89,6 @@ fn log_file(bencher: Bencher) {
     let (setup, folder) = (setup(), tempfile::tempdir().expect("a folder"));
     let mut log = log(&setup, Some(folder.path()), None);
     each(bencher, setup, &mut log);
-}
-
-/// The cheapest steps: 100 of 1 ms without a log, and with 20 frames of one. Their ratio is the relative
-/// cost of a log at 200 Hz; 1 / 20 of their difference is the cost of a frame.
-mod one_step {
-    use super::*;
-
-    fn setup() -> Setup {
-        let lines = "contact = { method = \"one-step\" }
-            integrator = { method = \"semi-implicit\", step = 1e-3 }";
-        setup_with(lines)
-    }
-
-    #[divan::bench]
-    fn without_log(bencher: Bencher) {
-        each(bencher, Setup { log_rate: 0.0, ..setup() }, &mut NullObserver);
-    }
-
-    #[divan::bench]
-    fn with_log(bencher: Bencher) {
-        let (setup, folder) = (setup(), tempfile::tempdir().expect("a folder"));
-        let mut log = log(&setup, Some(folder.path()), None);
-        each(bencher, setup, &mut log);
-    }
 }
 
 /// `runner run --live --no-log` and `runner run --live`.

@@ -1,9 +1,10 @@
 //! Tables of ratios: each case is timed in turn, several times, so that a change of the machine's speed meets all of
 //! them. They are printed as Markdown.
 //!
-//! `stiff_drives` runs with all benches or by name. `scaling` runs by name alone: it takes minutes and two cores.
+//! `stiff_drives` and `logs` run with all benches or by name. `scaling` runs by name alone: it takes minutes and two cores.
 
 mod interleaved;
+mod logs;
 mod scaling;
 mod stiff_drives;
 
@@ -13,6 +14,9 @@ pub fn main() {
     let is_named = |name: &str| arguments.iter().any(|argument| argument == name);
     if arguments.is_empty() || is_named("stiff_drives") {
         stiff_drives::print();
+    }
+    if arguments.is_empty() || is_named("logs") {
+        logs::print();
     }
     if is_named("scaling") {
         scaling::print();

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! c_sr are the accelerations and powers per unit of component r of the wrench w_s, `M^-1 J_s^T e_r`, N is E. The
-//! change of J along the solution is a derivative by time, `f_u J' v`. A polygon with one vertex in the floor has three components, the
-//! force there.
+//! change of J along the solution is a derivative by time, `f_u J' v`. A polygon with one vertex in the floor has three
+//! components, the force there.
 
 use super::Plant;
 use super::stiff_products::{Derivatives, Evaluation};
@@ -102,38 +102,13 @@ impl ContactStiffness {
     pub fn write(&mut self, plant: &Plant, mut product: usize, out: &mut StiffPart) -> usize {
         let nv = plant.acceleration.len();
         self.powers.iter_mut().for_each(|power| power.clear(nv));
-        let mut vertices = &self.vertices[..];
-        for &(s, vertex) in &self.polygons {
+        let mut next = 0;
+        for p in 0..self.polygons.len() {
+            let (s, vertex) = self.polygons[p];
             self.wrench.iter_mut().for_each(|component| component.clear(nv));
-            let number = vertices.iter().take_while(|(of, _, _)| *of == s).count();
-            let (here, rest) = vertices.split_at(number);
-            vertices = rest;
-            for (_, i, slopes) in here {
-                for (d, row) in self.jacobian.iter_mut().enumerate() {
-                    plant.vertex_row(s, *i, d, row);
-                }
-                let arm = if vertex.is_some() { Vector3::zeros() } else { plant.problem.soles[s].vertices[*i].r };
-                let column = |c: usize| Vector3::new(self.jacobian[0][c], self.jacobian[1][c], self.jacobian[2][c]);
-                let mut drift = plant.problem.vertex_motion(&plant.solution.motion, s, *i);
-                for c in (0..nv).filter(|c| column(*c) != Vector3::zeros()) {
-                    let j = column(c);
-                    drift -= j * plant.acceleration[c];
-                    let (by_displacement, by_velocity) = (slopes.by_height * j.z, slopes.by_velocity * j);
-                    let (x, v) = (wrench_at(&arm, &by_displacement), wrench_at(&arm, &by_velocity));
-                    for (component, (x, v)) in self.wrench.iter_mut().zip(x.into_iter().zip(v)) {
-                        component.add(c, x, v);
-                    }
-                    let u = plant.problem.soles[s].vertices[*i].velocity;
-                    let (t, n) = (plant.solution.tangent[s][*i], plant.solution.normal[s][*i]);
-                    let [friction, dampers] = &mut self.powers;
-                    let by_velocity_at = by_velocity.xy().dot(&u.xy()) + t.dot(&j.xy());
-                    friction.add(c, -by_displacement.xy().dot(&u.xy()), -by_velocity_at);
-                    let of_springs = [slopes.power[0] * j.z, slopes.power[1] * j.z];
-                    let by_velocity_at = by_velocity.z * u.z + n * j.z + of_springs[1];
-                    dampers.add(c, -by_displacement.z * u.z - of_springs[0], -by_velocity_at);
-                }
-                let by_time = wrench_at(&arm, &(slopes.by_velocity * drift));
-                self.wrench.iter_mut().zip(by_time).for_each(|(component, rate)| component.by_time += rate);
+            while let Some(&at) = self.vertices.get(next).filter(|(of, _, _)| *of == s) {
+                self.add_vertex(plant, at, vertex.is_some());
+                next += 1;
             }
             for component in &mut self.wrench[..components(vertex)] {
                 plant.write_derivatives(component, product, out);
@@ -141,6 +116,35 @@ impl ContactStiffness {
             }
         }
         product
+    }
+
+    /// Adds the derivatives of the force on a vertex to those of the wrench, which is a force at the vertex if it is
+    /// the only one, and of the powers.
+    fn add_vertex(&mut self, plant: &Plant, (s, i, slopes): (usize, usize, VertexSlopes), is_only: bool) {
+        for (d, row) in self.jacobian.iter_mut().enumerate() {
+            plant.vertex_row(s, i, d, row);
+        }
+        let (at, solution) = (&plant.problem.soles[s].vertices[i], &plant.solution);
+        let (u, t, n) = (at.velocity, solution.tangent[s][i], solution.normal[s][i]);
+        let arm = if is_only { Vector3::zeros() } else { at.r };
+        let mut drift = plant.problem.vertex_motion(&solution.motion, s, i);
+        let [friction, dampers] = &mut self.powers;
+        for (c, acceleration) in plant.acceleration.iter().enumerate() {
+            let j = Vector3::new(self.jacobian[0][c], self.jacobian[1][c], self.jacobian[2][c]);
+            if j == Vector3::zeros() {
+                continue;
+            }
+            drift -= j * *acceleration;
+            let (x, v) = (slopes.by_height * j.z, slopes.by_velocity * j);
+            let wrenches = wrench_at(&arm, &x).into_iter().zip(wrench_at(&arm, &v));
+            self.wrench.iter_mut().zip(wrenches).for_each(|(component, (x, v))| component.add(c, x, v));
+            // Powers -t . u_t and -(n u_n + power of the springs).
+            friction.add(c, -x.xy().dot(&u.xy()), -v.xy().dot(&u.xy()) - t.dot(&j.xy()));
+            let [by_height, by_velocity] = slopes.power;
+            dampers.add(c, -x.z * u.z - by_height * j.z, -v.z * u.z - (n + by_velocity) * j.z);
+        }
+        let by_time = wrench_at(&arm, &(slopes.by_velocity * drift));
+        self.wrench.iter_mut().zip(by_time).for_each(|(component, rate)| component.by_time += rate);
     }
 
     /// Adds the products of the flows of energy, after [`write`](Self::write).
