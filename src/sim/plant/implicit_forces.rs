@@ -1,6 +1,6 @@
 //! The forces that a Rosenbrock step takes implicitly: drives, joint friction and stops
-//! ([`super::drive_stiffness`]), springs and dampers of a compliant floor ([`super::contact_stiffness`]) and of
-//! external forces ([`super::external_stiffness`]).
+//! (`drive_stiffness.rs`), springs and dampers of a compliant floor (`contact_stiffness.rs`) and of external forces
+//! (`external_stiffness.rs`).
 //!
 //! Each product of the stiff part has the accelerations and powers that a unit of a force causes, and the row of what
 //! the force depends on. Rows are new at each step. Responses change slowly with the configuration and are kept for
