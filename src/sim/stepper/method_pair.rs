@@ -35,10 +35,16 @@ const FIRST: f64 = 1e-4;
 const LIMITED: f64 = 2.5;
 /// Number of such steps after which forces become implicit, less one for each six that are not.
 const STIFF_STEPS: u32 = 12;
-/// Product of a step and the rate of the implicit forces up to which an explicit step of that size would do.
-const EASY: f64 = 1.5;
+/// Product of a step and the rate of the implicit forces up to which explicit steps cost less: they are stable to 3.3,
+/// and a step of the Rosenbrock method costs some three of them.
+const EASY: f64 = 10.0;
 /// Number of such steps after which forces become explicit again.
 const EASY_STEPS: u32 = 12;
+/// Factor by which [`STIFF_STEPS`] grows at most, doubling each time that forces were implicit for less than
+/// [`SHORT_STAY`] steps.
+const MOST_RELUCTANT: u32 = 32;
+/// Number of steps with implicit forces after which the change to them has paid.
+const SHORT_STAY: u32 = 100;
 /// Number of steps for which responses to forces are kept.
 const KEPT: u32 = 12;
 /// Product of a step and the estimated rate of friction above which friction is implicit with the others.
@@ -72,6 +78,10 @@ struct Implicit {
     are_implicit: bool,
     /// Steps that count towards the next change.
     count: u32,
+    /// Accepted steps with implicit forces since the last change.
+    stay: u32,
+    /// Present factor of [`STIFF_STEPS`].
+    reluctance: u32,
     /// Steps since the last that did not count.
     others: u32,
     /// Steps since their responses were computed.
@@ -104,6 +114,8 @@ impl MethodPair {
                 choice,
                 are_implicit: choice == ImplicitSteps::Always,
                 count: 0,
+                stay: 0,
+                reluctance: 1,
                 others: 0,
                 age: 0,
                 rate: 0.0,
@@ -271,9 +283,9 @@ impl Implicit {
                 self.count = self.count.saturating_sub(1);
             }
         }
-        self.are_implicit = self.count >= STIFF_STEPS;
+        self.are_implicit = self.count >= STIFF_STEPS * self.reluctance;
         if self.are_implicit {
-            (self.count, self.age) = (0, KEPT);
+            (self.count, self.stay, self.age) = (0, 0, KEPT);
         }
         self.are_implicit
     }
@@ -284,8 +296,11 @@ impl Implicit {
             self.age = KEPT;
             return;
         }
+        self.stay = self.stay.saturating_add(1);
         self.count = if next * self.rate < EASY { self.count + 1 } else { 0 };
         if self.count >= EASY_STEPS && self.choice == ImplicitSteps::Auto {
+            let is_short = self.stay < SHORT_STAY;
+            self.reluctance = if is_short { (2 * self.reluctance).min(MOST_RELUCTANT) } else { 1 };
             (self.count, self.others, self.are_implicit) = (0, 0, false);
         }
     }
