@@ -53,6 +53,13 @@ pub struct Spring {
     reattach: bool,
 }
 
+/// The line from a spring's point to its anchor, world, m, and the velocity of the anchor, m/s.
+struct Line {
+    point: Vector3<f64>,
+    d: Vector3<f64>,
+    velocity: Vector3<f64>,
+}
+
 impl Spring {
     /// A spring attached from `start` for `duration` seconds, which may be infinite. With
     /// `from_point` the anchor's path begins at the position of the point when it is attached.
@@ -75,6 +82,16 @@ impl Spring {
     fn point(&self, context: &ForceContext) -> Vector3<f64> {
         let (rotation, origin) = context.frame(self.parameters.link);
         origin + rotation * self.parameters.point
+    }
+
+    /// The line; none while the spring is not attached.
+    fn line(&self, context: &ForceContext) -> Option<Line> {
+        let is_attached = self.span.factor(context.time, context.within) != 0.0;
+        is_attached.then(|| {
+            let point = self.point(context);
+            let (anchor, velocity) = self.anchor.at(context.time, context.within);
+            Line { point, d: anchor - point, velocity }
+        })
     }
 }
 
@@ -103,13 +120,8 @@ impl Force for Spring {
     }
 
     fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces) {
-        if self.span.factor(context.time, context.within) == 0.0 {
-            return;
-        }
+        let Some(Line { point, d, velocity }) = self.line(context) else { return };
         let SpringParameters { link, stiffness, damping, rest_length, .. } = self.parameters;
-        let point = self.point(context);
-        let (anchor, velocity) = self.anchor.at(context.time, context.within);
-        let d = anchor - point;
         let length = d.norm();
         let elastic = match rest_length {
             0.0 => d * stiffness,
@@ -128,13 +140,8 @@ impl Force for Spring {
     }
 
     fn slopes(&self, context: &ForceContext, each: &mut dyn FnMut(Slope)) {
-        if self.span.factor(context.time, context.within) == 0.0 {
-            return;
-        }
+        let Some(Line { point, d, velocity }) = self.line(context) else { return };
         let SpringParameters { link, stiffness, damping, rest_length, .. } = self.parameters;
-        let point = self.point(context);
-        let (anchor, velocity) = self.anchor.at(context.time, context.within);
-        let d = anchor - point;
         let length = d.norm();
         // Along the line k, across it k (1 - l0 / |d|).
         let share = if rest_length > 0.0 && length > 0.0 { rest_length / length } else { 0.0 };

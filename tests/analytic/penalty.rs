@@ -250,3 +250,12 @@ fn the_springs_carry_the_weight_of_a_standing_robot() {
         assert!(m.max_static_creep_m > 0.0 && m.max_cone_excess == 0.0, "{m:?}");
     }
 }
+
+#[test]
+fn stages_below_the_floor_take_no_energy_before_a_touch_down() {
+    let m = run("duration = 1.0\nlog.rate = 0\ncontact.method = \"penalty\"\nintegrator.method = \"rosenbrock\"\n\
+         [robot]\nmodel = \"robots/block/block.toml\"\n\
+         base = { position = [0, 0, 0.25], rpy = [0, \"30 deg\", \"45 deg\"] }\n");
+    // Of 2 J, with steps at a tolerance of 1e-6. The power of springs at vertices outside the floor made it 0.06 J.
+    assert!(m.max_energy_error_j < 1e-4 && m.impact_loss_j > 1.0, "{m:?}");
+}

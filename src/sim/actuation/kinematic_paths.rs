@@ -9,7 +9,8 @@
 //! that its last path has reached, to those extrapolated from the commands for the next tick (q1, qd1).
 //! Two successive commands a and b belong to one smooth motion if
 //! `|dq - T (qd_a + qd_b) / 2| <= T |dqd| / 5`, where dqd is the change of velocity between them or the
-//! one before, if greater; then the cubic through both is continued. Otherwise the last command is continued by its own velocity,
+//! one before, if greater; then the cubic through both is continued. Otherwise the last command is continued by
+//! its own velocity,
 //! `(q_des + T qd_des, qd_des)`. If no tick follows, the joint moves to its command and rests
 //! there.
 //!
