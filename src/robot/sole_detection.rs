@@ -1,5 +1,6 @@
 //! Detects the soles of a robot that names none: the lowest faces of its leaf links at the home
-//! posture, by their collision shapes, or by the visual shapes of a link without collision shapes.
+//! posture, by their collision shapes, or by the visual shapes of a link without collision shapes. A body
+//! of one round shape has none: it rolls.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -54,6 +55,10 @@ pub(super) fn find_soles(model: &mut Model, source: &Source, notices: &mut Notic
     let mut found = Vec::new();
     for i in (0..model.links.len()).filter(|&i| is_leaf(i) && lowest[i] <= low + STANDING * height) {
         let link = &model.links[i];
+        if link.parent.is_none() && matches!(&link.collisions[..], [ball] if is_round(ball, &poses[i])) {
+            notices.info(source, at, format!("no sole on `{}`: it is round, and touches with its shape", link.name));
+            continue;
+        }
         let Foot { vertices, flattened } = foot(shapes_of(link), &poses[i], height);
         let name = link.name.clone();
         let back = link.urdf_frame.inverse();
@@ -68,7 +73,8 @@ pub(super) fn find_soles(model: &mut Model, source: &Source, notices: &mut Notic
         notices.info(source, at, format!("sole `{name}` found on link `{name}`{by}: polygon [{polygon}]{moved}"));
         found.push(Sole { name, link: LinkId(i), vertices });
     }
-    if found.is_empty() {
+    let rolls = model.links.len() == 1 && lowest[0].is_finite();
+    if found.is_empty() && !rolls {
         let message = "no soles: none are given, and no leaf link has a shape at the robot's lowest height";
         notices.warning(source, at, message);
     }

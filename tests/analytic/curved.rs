@@ -311,6 +311,27 @@ fn a_link_with_one_cylinder_rolls_on_floor_and_terrain() {
     assert_clean(sim.metrics());
 }
 
+/// A body of one ball without soles of its own gets none: it rolls with 5/7 g sin a.
+#[test]
+fn a_ball_without_soles_rolls() {
+    let folder = TempDir::new().expect("a folder for the robot");
+    let urdf = r#"<robot name="ball"><link name="ball"><inertial><mass value="1"/>
+        <inertia ixx="0.004" ixy="0" ixz="0" iyy="0.004" iyz="0" izz="0.004"/></inertial>
+        <collision><geometry><sphere radius="0.1"/></geometry></collision></link></robot>"#;
+    let path = folder.path().join("ball.urdf");
+    fs::write(&path, urdf).expect("the folder is writable");
+    let (slope, mu) = (0.3_f64, 0.4);
+    let sim = ended(&format!(
+        "duration = 0.5\ngravity = [{}, 0, {}]\nrobot = {{ model = {path:?} }}\nfloor = {{ friction = {mu} }}\n{TIGHT}",
+        G * slope.sin(),
+        -G * slope.cos()
+    ));
+    let state = &sim.plant().state;
+    let travel = 5.0 / 7.0 * G * slope.sin() * 0.125;
+    assert!((state.position - Vector3::new(travel, 0.0, 0.1)).norm() < 1e-9, "{}", state.position);
+    assert_clean(sim.metrics());
+}
+
 /// A push at the height H that grows to F in one second tips a standing cylinder if F H > m g R, whatever its
 /// direction. The fixed polygon of the end would tip at up to 1.9 % less.
 #[test]

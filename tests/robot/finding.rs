@@ -40,22 +40,43 @@ fn standing_on(collisions: &str) -> Robot {
     load_urdf(&format!("<robot name=\"r\"><link name=\"a\">{BODY}{collisions}</link></robot>")).unwrap()
 }
 
+/// A robot whose only foot is a link with these shapes.
+fn standing_on_foot(collisions: &str) -> Robot {
+    let joint =
+        "<joint name=\"j\" type=\"continuous\"><parent link=\"hip\"/><child link=\"a\"/><axis xyz=\"0 1 0\"/></joint>";
+    let links = format!("<link name=\"hip\">{BODY}</link><link name=\"a\">{BODY}{collisions}</link>");
+    load_urdf(&format!("<robot name=\"r\">{links}{joint}</robot>")).unwrap()
+}
+
 #[test]
 fn round_feet_are_points_and_lines() {
     let ball =
-        standing_on("<collision><origin xyz=\"1 2 3\"/><geometry><sphere radius=\"0.5\"/></geometry></collision>");
+        standing_on_foot("<collision><origin xyz=\"1 2 3\"/><geometry><sphere radius=\"0.5\"/></geometry></collision>");
     assert_eq!(polygon(&ball, 0), [Vector3::new(1.0, 2.0, 2.5)]);
     let lying = "<collision><origin rpy=\"0 1.5707963267948966 0\"/><geometry><cylinder radius=\"0.5\" length=\"2\"/></geometry></collision>";
-    let roller = polygon(&standing_on(lying), 0);
+    let roller = polygon(&standing_on_foot(lying), 0);
     // Rounding of the quarter turn.
     assert!(same_ring(&roller, &[Vector3::new(-1.0, 0.0, -0.5), Vector3::new(1.0, 0.0, -0.5)], 1e-15), "{roller:?}");
-    let upright =
-        polygon(&standing_on("<collision><geometry><cylinder radius=\"0.5\" length=\"2\"/></geometry></collision>"), 0);
+    let upright = polygon(
+        &standing_on_foot("<collision><geometry><cylinder radius=\"0.5\" length=\"2\"/></geometry></collision>"),
+        0,
+    );
     assert_eq!(upright.len(), 8);
-    assert!(upright.iter().all(|p| p.z == -1.0 && (p.xy().norm() - 0.5).abs() < 1e-15));
-    let standing_capsule =
-        polygon(&standing_on("<collision><geometry><capsule radius=\"0.5\" length=\"2\"/></geometry></collision>"), 0);
+    // Rounding of the frame at the link's centre of mass.
+    assert!(upright.iter().all(|p| (p.z + 1.0).abs() < 1e-15 && (p.xy().norm() - 0.5).abs() < 1e-15), "{upright:?}");
+    let standing_capsule = polygon(
+        &standing_on_foot("<collision><geometry><capsule radius=\"0.5\" length=\"2\"/></geometry></collision>"),
+        0,
+    );
     assert_eq!(standing_capsule, [Vector3::new(0.0, 0.0, -1.5)]);
+}
+
+#[test]
+fn a_body_of_one_ball_has_no_sole() {
+    let ball = standing_on("<collision><geometry><sphere radius=\"0.5\"/></geometry></collision>");
+    assert!(ball.model.soles.is_empty());
+    let [notice] = &ball.notices[..] else { panic!("{:?}", ball.notices) };
+    assert_eq!(notice.message, "no sole on `a`: it is round, and touches with its shape");
 }
 
 #[test]
