@@ -174,6 +174,7 @@ fn write_page(
 }
 
 fn as_reported<'a>(finished: &'a [Finished], machine: &'a Machine) -> Vec<ReportRun<'a>> {
-    let run = |f: &'a Finished| ReportRun { row: &f.row, program: PROGRAM, machine, notes: &f.notes, files: &f.files };
+    let run =
+        |f: &'a Finished| ReportRun { row: &f.row, origin: Some((PROGRAM, machine)), notes: &f.notes, files: &f.files };
     finished.iter().map(run).collect()
 }

@@ -48,10 +48,8 @@ use std::path::{Path, PathBuf};
 pub struct ReportRun<'a> {
     /// Row of the summary.
     pub row: &'a SummaryRow,
-    /// Program and version.
-    pub program: &'a str,
-    /// Machine of the run.
-    pub machine: &'a Machine,
+    /// Program with its version, and machine; none for rows of a table.
+    pub origin: Option<(&'a str, &'a Machine)>,
     /// Further notes for the user.
     pub notes: &'a [String],
     /// Files of the run: `run.json`, log and problems.
@@ -62,7 +60,12 @@ impl<'a> ReportRun<'a> {
     /// A run read from its record, with its row.
     pub fn found(row: &'a SummaryRow, found: &'a FoundRun) -> Self {
         let RunRecord { program, timing, notes, .. } = &found.record;
-        ReportRun { row, program, machine: &timing.machine, notes, files: &found.files }
+        ReportRun { row, origin: Some((program, &timing.machine)), notes, files: &found.files }
+    }
+
+    /// A run of which only the row is known.
+    pub fn of_row(row: &'a SummaryRow) -> Self {
+        ReportRun { row, origin: None, notes: &[], files: &[] }
     }
 
     fn file(&self, name: &str) -> Option<&Path> {
@@ -97,7 +100,7 @@ pub fn write_report(
     pictured: &Pictured,
 ) -> Result<(), RecordError> {
     let mut statistics = RunStatistics::default();
-    runs.iter().for_each(|run| statistics.add(run.row, run.program, run.machine, run.file(names::RUN_RECORD)));
+    runs.iter().for_each(|run| statistics.add(run.row, run.origin, run.file(names::RUN_RECORD)));
     write_report_of(path, results, (runs, &statistics), references, pictured)
 }
 

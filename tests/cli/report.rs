@@ -136,3 +136,55 @@ fn references_have_no_rows_and_errors_have_a_pareto_table() {
     // block has no joints.
     assert_eq!(html.matches("over cost, slide").count(), 8);
 }
+
+#[test]
+fn a_table_of_another_program_has_a_page_and_can_be_compared() {
+    let place = Place::new();
+    let header = "scenario,key,outcome,message,method,integrator,seed,integrator.step,duration_s,cpu_s,steps,error_stop_distance\n";
+    let rows = |error: &str| {
+        format!(
+            "{header}slide,a1,passed,,peer,default,1,0.001,0.5,0.02,500,{error}\n\
+             slide,a2,passed,,peer,default,1,0.004,0.5,0.005,125,4e-3\n\
+             slide,a3,passed,,other,default,1,0.001,0.5,0.05,500,2e-5\n\
+             slide,a4,unsupported,no slopes,third,default,1,0.001,,,,\n"
+        )
+    };
+    place.write("peers/summary.csv", &rows("1e-3"));
+    place.write("newer.csv", &rows("2e-3"));
+    let done = place.runner(&["report", "peers/summary.csv"]).exits(0);
+    assert!(done.stderr.contains("1 row with the outcome `unsupported` passed over\n3 rows read"), "{}", done.stderr);
+    let row = |method: &str, step: &str| {
+        let is_row = |line: &&str| line.starts_with(method) && line.contains(step);
+        done.stdout.lines().find(is_row).unwrap_or_else(|| panic!("{}", done.stdout)).to_owned()
+    };
+    // Costs per simulated second: 0.04, 0.01 and 0.1. All are on the front.
+    for (method, step, error, cost) in [
+        ("peer", "0.001", "1.00e-3", "4.00e-2"),
+        ("peer", "0.004", "4.00e-3", "1.00e-2"),
+        ("other", "", "2.00e-5", "1.00e-1"),
+    ] {
+        let row = row(method, step);
+        assert!(row.contains(error) && row.contains(cost) && row.contains('*'), "{row}");
+    }
+    let page = fs::read_to_string(place.path("peers/report.html")).unwrap();
+    assert_eq!(page.matches("over cost, slide").count(), 1, "one plot");
+    place.runner(&["report", "newer.csv", "-o", "page.html"]).exits(0);
+    assert!(place.path("page.html").exists() && !place.path("report.html").exists());
+
+    let compared = place.runner(&["compare", "peers/summary.csv", "newer.csv"]).exits(1);
+    assert!(compared.stdout.contains("error_stop_distance"), "{}", compared.stdout);
+    place.runner(&["compare", "peers", "peers/summary.csv"]).exits(0);
+
+    let refused = place.runner(&["report", "newer.csv", "--runs", "a1"]).exits(2);
+    assert!(
+        refused.stderr.contains("--runs draws logs, which the table newer.csv does not have"),
+        "{}",
+        refused.stderr
+    );
+    place.write("none.csv", header);
+    let refused = place.runner(&["report", "none.csv"]).exits(2);
+    assert!(refused.stderr.contains("error: no row of a run in none.csv"), "{}", refused.stderr);
+    place.write("other.csv", "a,b\n1,2\n");
+    let refused = place.runner(&["report", "other.csv"]).exits(2);
+    assert!(refused.stderr.contains("not a summary of runs: it has no column `scenario`"), "{}", refused.stderr);
+}

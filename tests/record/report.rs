@@ -15,7 +15,7 @@ fn page_with(rows: &[SummaryRow], notes: &[String]) -> String {
     let machine = Machine { os: "linux".into(), arch: "x86_64".into(), cpus: 2 };
     let runs: Vec<ReportRun> = rows
         .iter()
-        .map(|row| ReportRun { row, program: "stiction 0.1.0", machine: &machine, notes, files: &[] })
+        .map(|row| ReportRun { row, origin: Some(("stiction 0.1.0", &machine)), notes, files: &[] })
         .collect();
     let path = folder.path().join("report.html");
     write_report(&path, folder.path(), &runs, &[], &Pictured::Few).unwrap();

@@ -114,7 +114,7 @@ impl Rows for AllRows<'_> {
             let row = self.store.row(index, self.plan, self.output)?;
             if let Some(statistics) = &mut statistics {
                 let record = self.plan.folder(index, self.output).join(names::RUN_RECORD);
-                statistics.add(&row, PROGRAM, &machine, Some(&record));
+                statistics.add(&row, Some((PROGRAM, &machine)), Some(&record));
             }
             visit(&row)?;
         }

@@ -1,10 +1,11 @@
-//! `runner report`: rewrites summary and page from the records.
+//! `runner report`: rewrites summary and page from the records, or writes the page of a table.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use stiction::files::{OutputKind, RecordError, check_replaceable, names, remove_partial};
-use stiction::report::{Pictured, found_runs, write_report_of};
+use stiction::report::{Pictured, ReportRun, found_runs, write_report_of};
+use stiction::results::compare::read_table;
 use stiction::results::pareto::{Work, pareto_table};
 use stiction::results::{FoundRun, Listing, SampledRuns, SummaryRow, list_records, write_summary_of};
 use stiction::text::visible::{visible_lines, visible_path};
@@ -15,13 +16,14 @@ use crate::cli::terminal::{complain, complain_of, plural, print, width};
 /// Arguments of `report`.
 #[derive(Args, Debug)]
 pub struct Report {
-    /// Folder of results; all run.json files below it are read
+    /// Folder of results; all run.json files below it are read. Or a table with the columns of summary.csv, which
+    /// another program may have written: then only the page is written
     #[arg(value_name = "RESULTS")]
     results: PathBuf,
     /// Keys of runs to plot over time, or their beginnings [default: failed runs and a few others]
     #[arg(long, value_name = "KEY", num_args = 1..)]
     runs: Vec<String>,
-    /// File of the page [default: report.html in RESULTS]
+    /// File of the page [default: report.html in RESULTS, or next to the table]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
@@ -35,6 +37,9 @@ impl Report {
         };
         if let Some(page) = &self.output {
             check_replaceable(page, OutputKind::Page).map_err(fail)?;
+        }
+        if self.results.is_file() {
+            return self.of_table();
         }
         let listing = list_records(&self.results).map_err(fail)?;
         listing.skipped.iter().for_each(|error| complain(&format!("warning: passed over: {error}")));
@@ -57,12 +62,37 @@ impl Report {
         let (shown, references) = (found_runs(&rows, &runs), found_runs(&reference_rows, &listing.references));
         let page = self.output.unwrap_or_else(|| self.results.join(names::REPORT));
         write_report_of(&page, &self.results, (&shown, &statistics), &references, &pictured).map_err(unwritten)?;
-        let accuracy = pareto_table(&rows.iter().map(Work::of).collect::<Vec<_>>(), width());
-        let air = if accuracy.is_empty() { "" } else { "\n" };
-        let written: Vec<String> =
-            [&files.csv, &files.parquet, &page].iter().map(|path| format!("  {}\n", visible_path(path))).collect();
-        print(&format!("{}{air}written:\n{}", visible_lines(&accuracy), written.concat()))?;
-        Ok(Exit::Success)
+        print_written(&rows, &[&files.csv, &files.parquet, &page])
+    }
+
+    /// Reads the rows of a table and writes the page.
+    fn of_table(self) -> Result<Exit, Exit> {
+        if !self.runs.is_empty() {
+            complain_of(format!("--runs draws logs, which the table {} does not have", self.results.display()));
+            return Err(Exit::Invalid);
+        }
+        let table = read_table(&self.results).map_err(|error| {
+            complain_of(error);
+            Exit::Invalid
+        })?;
+        for (outcome, rows) in &table.passed_over {
+            let rows = plural(*rows, "row");
+            complain(&format!("{rows} with the outcome `{}` passed over", visible_lines(outcome)));
+        }
+        if table.rows.is_empty() {
+            complain_of(format!("no row of a run in {}", self.results.display()));
+            return Err(Exit::Invalid);
+        }
+        complain(&format!("{} read", plural(table.statistics.runs(), "row")));
+        let folder = self.results.parent().unwrap_or(Path::new("")).to_owned();
+        let page = self.output.unwrap_or_else(|| folder.join(names::REPORT));
+        let shown: Vec<ReportRun> = table.rows.iter().map(ReportRun::of_row).collect();
+        let written = write_report_of(&page, &folder, (&shown, &table.statistics), &[], &Pictured::Few);
+        written.map_err(|error| {
+            complain_of(&error);
+            Exit::of_writing(&error)
+        })?;
+        print_written(&table.rows, &[&page])
     }
 
     /// Positions and keys of the runs that the arguments name; each argument must match a run.
@@ -89,6 +119,15 @@ impl Report {
         }
         Ok((places, Pictured::Keys(keys)))
     }
+}
+
+/// Prints accuracy over cost, and the paths written.
+fn print_written(rows: &[SummaryRow], paths: &[&PathBuf]) -> Result<Exit, Exit> {
+    let accuracy = pareto_table(&rows.iter().map(Work::of).collect::<Vec<_>>(), width());
+    let air = if accuracy.is_empty() { "" } else { "\n" };
+    let written: Vec<String> = paths.iter().map(|path| format!("  {}\n", visible_path(path))).collect();
+    print(&format!("{}{air}written:\n{}", visible_lines(&accuracy), written.concat()))?;
+    Ok(Exit::Success)
 }
 
 fn summary_rows(runs: &[FoundRun]) -> Vec<SummaryRow> {

@@ -10,8 +10,10 @@
 //! and so do two NaN; an empty cell agrees with an empty one only. Times are not results: they are
 //! compared only on request.
 //!
-//! Imports `metrics`, `files`, `text` and the terminal table of `results`. `runner compare` calls
-//! it.
+//! `table_rows` reads such a file as rows of a summary, for the report.
+//!
+//! Imports `metrics`, `files`, `text`, and of `results` the rows and the terminal table. `runner compare` and
+//! `runner report` call it.
 
 mod changes_text;
 mod columns;
@@ -23,6 +25,7 @@ mod result_row;
 mod results;
 mod row_pairs;
 mod row_source;
+mod table_rows;
 mod tolerance;
 
 use serde::Serialize;
@@ -30,6 +33,7 @@ use serde::Serialize;
 pub use result_row::ResultRow;
 pub use results::{Results, ResultsError};
 pub use row_source::ResultsErrorCause;
+pub use table_rows::{TableRows, read_table};
 use tolerance::ColumnCheck;
 pub use tolerance::{Limits, Tolerance, UnknownColumn};
 

@@ -129,7 +129,7 @@ impl Rows for ListedRows<'_> {
             let row = record.summary_row();
             visit(&row)?;
             if is_first {
-                statistics.add(&row, &record.program, &record.timing.machine, Some(&run.record));
+                statistics.add(&row, Some((&record.program, &record.timing.machine)), Some(&run.record));
                 let found = FoundRun::without_inputs(run.record.to_path_buf(), record);
                 match self.selected.contains(&position) {
                     true => _ = selected.insert(position, found),

@@ -73,7 +73,8 @@ impl Shards {
             let run = read(to.join(names::RUN_RECORD))?;
             let (row, record) = (run.record.summary_row(), &run.record);
             log.push(&row)?;
-            statistics.add(&row, &record.program, &record.timing.machine, run.files.first().map(PathBuf::as_path));
+            let origin = Some((record.program.as_str(), &record.timing.machine));
+            statistics.add(&row, origin, run.files.first().map(PathBuf::as_path));
             failed += usize::from(row.outcome == Outcome::Failed);
             unfinished += usize::from(row.is_refused() && row.outcome != Outcome::Failed);
             sample.insert(holder.run.at, run, row.is_refused());

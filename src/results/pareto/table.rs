@@ -71,7 +71,7 @@ fn block(works: &[Work], group: &Group, width: usize) -> String {
             .into_iter()
             .chain(own)
             .chain(line.errors.iter().map(error))
-            .chain([format!("{:.2e}", line.cost), format!("{:.1}", works[line.row].real_time_factor)])
+            .chain([format!("{:.2e}", line.cost), real_time(works[line.row].real_time_factor)])
             .collect()
     };
     listed.iter().for_each(|line| table.push(cells(line)));
@@ -83,6 +83,11 @@ fn block(works: &[Work], group: &Group, width: usize) -> String {
         let _ = writeln!(out, "{count} left out: {reason}");
     }
     out
+}
+
+/// A dash where the time is unknown.
+fn real_time(factor: f64) -> String {
+    if factor.is_nan() { "-".to_owned() } else { format!("{factor:.1}") }
 }
 
 /// The lines of a group by cost, and how many runs have no point at all, by reason.

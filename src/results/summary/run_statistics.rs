@@ -37,17 +37,20 @@ pub(crate) struct ScenarioStatistics {
 }
 
 impl RunStatistics {
-    /// Adds a run; `record` is the path of its `run.json`, if it has one.
-    pub fn add(&mut self, row: &SummaryRow, program: &str, machine: &Machine, record: Option<&Path>) {
+    /// Adds a run; `origin` is its program and machine, if they are known, and `record` the path of its
+    /// `run.json`, if it has one.
+    pub fn add(&mut self, row: &SummaryRow, origin: Option<(&str, &Machine)>, record: Option<&Path>) {
         let position = *self.positions.entry(row.scenario.clone()).or_insert_with(|| {
             self.scenarios.push(ScenarioStatistics { scenario: row.scenario.clone(), ..Default::default() });
             self.scenarios.len() - 1
         });
         self.scenarios[position].add(row);
-        if !self.programs.contains(program) {
-            self.programs.insert(program.to_owned());
+        if let Some((program, machine)) = origin {
+            if !self.programs.contains(program) {
+                self.programs.insert(program.to_owned());
+            }
+            self.machines.insert(format!("{} {}, {}", machine.os, machine.arch, plural(machine.cpus, "processor")));
         }
-        self.machines.insert(format!("{} {}, {}", machine.os, machine.arch, plural(machine.cpus, "processor")));
         if let Some(at) = record.and_then(|path| path.metadata().ok()?.modified().ok()) {
             let (first, last) = self.recorded.unwrap_or((at, at));
             self.recorded = Some((first.min(at), last.max(at)));
