@@ -20,6 +20,10 @@ use super::{LONG, dot};
 /// elimination stays near 1e-14; closed kinematic loops of real robots have pivots above 1e-9.
 const RANK: f64 = 1e-12;
 
+/// Pivot, relative to the first, up to which a row is nearly redundant. In closed loops the digits of a robot file, such
+/// as an angle of pi with 9 of them, keep pivots from zero: forces without bound then resist what no digit shows.
+pub const NEARLY_REDUNDANT: f64 = 1e-6;
+
 /// Pivot, relative to the greatest diagonal entry, above which a symmetric matrix is clearly
 /// definite, or relative to the greatest pivot, above which a matrix is clearly regular. It is far
 /// above [`RANK`], as pivots in a fixed order indicate the rank only roughly.
@@ -44,6 +48,9 @@ pub struct Linear {
     /// Row that was exchanged with row k at step k.
     row: Vec<usize>,
     rank: usize,
+    /// Pivot, relative to the first, up to which rows count as redundant, and the least above it.
+    redundant: f64,
+    least: f64,
     factors: Factors,
     /// Factors of a definite or regular matrix, row-major, and the inverses of the pivots.
     copy: Vec<f64>,
@@ -61,6 +68,8 @@ impl Linear {
             column: vec![0; n],
             row: vec![0; n],
             rank: 0,
+            redundant: RANK,
+            least: 1.0,
             factors: Factors::Complete,
             copy: vec![0.0; n * n],
             inverse: vec![0.0; n],
@@ -73,6 +82,21 @@ impl Linear {
     /// Rank of the last matrix.
     pub fn rank(&self) -> usize {
         self.rank
+    }
+
+    /// Whether the last matrix had rows that were nearly redundant, and did not count as redundant.
+    pub fn has_nearly_redundant(&self) -> bool {
+        self.least <= NEARLY_REDUNDANT
+    }
+
+    /// Whether the last matrix had rows that were redundant, or nearly so.
+    pub fn has_redundant(&self, size: usize) -> bool {
+        self.rank < size || self.has_nearly_redundant()
+    }
+
+    /// Whether rows of the next matrices that are nearly redundant count as redundant.
+    pub fn drop_nearly_redundant(&mut self, drop: bool) {
+        self.redundant = if drop { NEARLY_REDUNDANT } else { RANK };
     }
 
     /// Solves `A x = b` in place: `a` is n x n row-major and becomes its factors, `b` becomes x.
@@ -128,7 +152,7 @@ impl Linear {
                 row[k + 1..].iter_mut().zip(&pivot_row[k + 1..]).for_each(|(x, p)| *x -= f * p);
             }
         }
-        (self.rank, self.factors) = (n, Factors::Regular);
+        (self.rank, self.factors, self.least) = (n, Factors::Regular, 1.0);
         true
     }
 
@@ -157,7 +181,7 @@ impl Linear {
             _ => eliminate_definite_of_any_order(upper, inverse, least),
         };
         if definite {
-            (self.rank, self.factors) = (n, Factors::Definite);
+            (self.rank, self.factors, self.least) = (n, Factors::Definite, 1.0);
         }
         definite
     }
@@ -187,7 +211,7 @@ impl Linear {
         self.factors = Factors::Complete;
         let column = &mut self.column[..n];
         column.iter_mut().enumerate().for_each(|(i, c)| *c = i);
-        self.rank = n;
+        (self.rank, self.least) = (n, 1.0);
         let mut first = 0.0;
         // Greatest entry of each row that is left.
         let greatest = &mut self.scratch[..n];
@@ -203,10 +227,11 @@ impl Linear {
             if k == 0 {
                 first = best;
             }
-            if best <= RANK * first || best == 0.0 {
+            if best <= self.redundant * first || best == 0.0 {
                 self.rank = k;
                 break;
             }
+            self.least = best / first;
             self.row[k] = pi;
             if pi != k {
                 for j in 0..n {
@@ -470,5 +495,24 @@ mod tests {
             let image: f64 = (0..3).map(|j| original[3 * i + j] * b[j]).sum();
             assert!((image - rhs[i]).abs() < 1e-14);
         }
+    }
+
+    /// Rows that differ in the 10th digit: exact elimination tells them apart by unknowns of 1e5.
+    #[test]
+    fn drops_nearly_redundant_rows_where_asked() {
+        let matrix = [1.0, 1.0, 1.0, 1.0 + 1e-10];
+        let right = [1.0, 1.0 + 1e-5];
+        let mut lin = Linear::new(2);
+        let (mut a, mut x) = (matrix, right);
+        lin.solve(&mut a, &mut x);
+        assert!((x[1] - 1e5).abs() < 1.0 && lin.rank() == 2 && lin.has_redundant(2), "{x:?}");
+        lin.drop_nearly_redundant(true);
+        let (mut a, mut x) = (matrix, right);
+        lin.solve_symmetric(&mut a, &mut x);
+        assert!(lin.rank() == 1 && x.iter().all(|x| (x - 0.5).abs() < 1e-5), "{x:?}");
+        lin.drop_nearly_redundant(false);
+        let (mut a, mut x) = ([1.0, 1.0, 1.0, 2.0], [1.0, 3.0]);
+        lin.solve(&mut a, &mut x);
+        assert!(x == [-1.0, 2.0] && !lin.has_redundant(2), "{x:?}");
     }
 }

@@ -312,10 +312,10 @@ fn robots_that_creep_come_to_rest() {
         let mut sim = falls[i].simulation().unwrap();
         let m = finish(&mut sim, &mut NullObserver);
         let speed = sim.plant().each_velocity().fold(0.0, |most: f64, v| most.max(v.abs()));
-        // What a step of the mode leaves.
-        assert!(m.sliding_mode_s > 0.05 && speed < 1e-6, "{i}: {} s, {speed}", m.sliding_mode_s);
+        // Joint speeds that the servos have not damped yet.
+        assert!(m.sliding_mode_s < 0.1 && speed < 1e-7, "{i}: {} s, {speed}", m.sliding_mode_s);
         assert!(m.max_penetration_m < 1e-9 && m.max_cone_excess < 1e-9 && m.inconsistent == 0, "{i}: {m:?}");
-        // The error grows by 1e-5 W in the mode, probably as drift is removed against the load.
+        // Impacts and slow slips before the rest.
         assert!(m.energy_error_j.abs() < 1e-4, "{i}: {} J", m.energy_error_j);
     }
 }

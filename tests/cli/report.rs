@@ -149,8 +149,8 @@ fn a_table_of_another_program_has_a_page_and_can_be_compared() {
              slide,a4,unsupported,no slopes,third,default,1,0.001,,,,\n"
         )
     };
-    place.write("peers/summary.csv", &rows("1e-3"));
-    place.write("newer.csv", &rows("2e-3"));
+    place.write("peers/summary.csv", rows("1e-3"));
+    place.write("newer.csv", rows("2e-3"));
     let done = place.runner(&["report", "peers/summary.csv"]).exits(0);
     assert!(done.stderr.contains("1 row with the outcome `unsupported` passed over\n3 rows read"), "{}", done.stderr);
     let row = |method: &str, step: &str| {

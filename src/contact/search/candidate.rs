@@ -32,6 +32,9 @@ use crate::contact::search::load_split::LoadSplit;
 use crate::linalg::linear::Linear;
 use nalgebra::{Vector2, Vector3};
 
+/// What conditions that are left out as nearly redundant may leave of the motion without contact.
+const LOOSE: f64 = 1e-8;
+
 /// Scale of the unknowns of sliding soles, for which no split is known, in N, where least departure from one is sought.
 const FREELY: f64 = 100.0;
 
@@ -228,6 +231,7 @@ impl CandidateSolver {
                 }
             }
         }
+        self.linear.drop_nearly_redundant(is_split && self.split.is_loose);
         if symmetric {
             self.linear.solve_symmetric(a, x)
         } else {
@@ -249,11 +253,29 @@ impl CandidateSolver {
             self.x[c] *= scale(*s);
             b.add_to(self.x[c], &mut out.wrench[6 * s..6 * s + 6]);
         }
+        if is_split && self.split.is_loose && !self.holds(p, out) {
+            self.split.is_loose = false;
+            self.solve_linear(p, states, out);
+        }
     }
 
-    /// Whether the loads of the last solve are not unique.
+    /// Whether the motions obey all conditions, as far as [`LOOSE`] allows.
+    fn holds(&self, p: &Problem, out: &Solution) -> bool {
+        let left = |motion: &[f64]| {
+            let each = self.rows.iter().map(|(s, row, target)| (target - row.dot(&motion[6 * s..])).abs());
+            each.fold(0.0, f64::max)
+        };
+        left(&out.motion) <= LOOSE * left(&p.b)
+    }
+
+    /// Whether conditions of the last solve were nearly redundant.
+    pub fn is_nearly_indeterminate(&self) -> bool {
+        self.linear.has_nearly_redundant()
+    }
+
+    /// Whether the loads of the last solve are not unique, or only by the last digits of the robot file.
     pub fn is_indeterminate(&self) -> bool {
-        self.linear.rank() < self.size
+        self.linear.has_redundant(self.size)
     }
 
     /// Response of the motions to a small wrench `six` (e) on sole `s` under the conditions of the

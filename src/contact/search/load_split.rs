@@ -12,6 +12,10 @@
 //!
 //! Forces of sliding soles are no part of w0: their x counts as a hundredth.
 //!
+//! A robot file of 8 digits makes some of the conditions redundant up to these digits only. What w0 leaves of them
+//! (1e-10 of gravity) may take forces outside the cones. Then they count as redundant too ([`LoadSplit::is_loose`]), for
+//! as long as they leave no more than 1e-8 of the motion without contact.
+//!
 //! A split on the border of a cone would fail with the next change of the load. Where the states fail with it, one as
 //! far inside the cones as there is takes its place.
 //!
@@ -27,6 +31,8 @@ use nalgebra::Vector3;
 #[derive(Clone, Debug)]
 pub struct LoadSplit {
     states: Option<States>,
+    /// Whether conditions that are nearly redundant count as redundant.
+    pub is_loose: bool,
     /// Its forces at vertices of static soles: sole, vertex, N.
     forces: Vec<(usize, usize, Vector3<f64>)>,
     /// w0, 6F.
@@ -39,7 +45,7 @@ impl LoadSplit {
     /// None, for problems of this size.
     pub fn new(p: &Problem) -> Self {
         let forces = Vec::with_capacity(p.vertex_indices().count());
-        LoadSplit { states: None, forces, wrench: vec![0.0; p.dim()], motion: vec![0.0; p.dim()] }
+        LoadSplit { states: None, is_loose: false, forces, wrench: vec![0.0; p.dim()], motion: vec![0.0; p.dim()] }
     }
 
     /// Whether loads of these states have a split.
@@ -55,7 +61,7 @@ impl LoadSplit {
 
     /// Sets it from forces of vertices: sole, vertex, force, N.
     pub fn set(&mut self, p: &Problem, states: &States, forces: impl Iterator<Item = (usize, usize, Vector3<f64>)>) {
-        self.states = Some(states.clone());
+        (self.states, self.is_loose) = (Some(states.clone()), false);
         let is_held = |s: usize, i: usize| states[s].is_static() && states[s].clamps(i, p.soles[s].vertices.len());
         self.forces.clear();
         self.forces.extend(forces.filter(|&(s, i, _)| is_held(s, i)));

@@ -241,6 +241,10 @@ impl Selector {
         self.solver.split.set(task.p, states, self.points.forces());
         self.forget(states);
         self.push_solution(task, states, true);
+        if self.loosens(task.p, states) {
+            self.forget(states);
+            self.push_solution(task, states, true);
+        }
         if !self.is_found() {
             self.solver.split.clear();
         }
@@ -278,6 +282,10 @@ impl Selector {
                 self.forget(states);
                 self.guess = Some(slips::slips(task.p, states, self.inside.motion(task.p)));
                 self.push_briefly(task, states);
+                if self.loosens(task.p, states) {
+                    self.forget(states);
+                    self.push_briefly(task, states);
+                }
                 self.guess = None;
                 if self.is_found() {
                     return true;
@@ -286,6 +294,14 @@ impl Selector {
         }
         self.solver.split.clear();
         false
+    }
+
+    /// Whether states that failed with a split may hold with the nearly redundant conditions left out, which then
+    /// are.
+    fn loosens(&mut self, p: &Problem, states: &States) -> bool {
+        let loosens = !self.is_found() && self.solver.is_nearly_indeterminate() && self.fails_static(p, states);
+        self.solver.split.is_loose |= loosens;
+        loosens
     }
 
     /// Whether static soles rest with loads within this share of their friction, which are then in `inside`.
