@@ -316,3 +316,20 @@ fn colours_distinguish_static_from_sliding() {
     let [Some(fixed), Some(sliding), None] = colours[..3] else { panic!("static, dynamic, free: {colours:?}") };
     assert!(fixed.g > fixed.r && sliding.r > sliding.g);
 }
+
+/// Ground that is a robot of a scene with objects has no centre of mass.
+#[test]
+fn a_robot_without_mass_has_no_ball_at_its_centre() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.mcap");
+    let snapshot = Snapshot { com: Vector3::repeat(f64::NAN), ..sample::snapshot(0) };
+    let mut log = LogWriter::create(&path, &sample::model(), &sample::header(TopicGroups::ALL)).unwrap();
+    log.snapshot(&snapshot).unwrap();
+    log.finish().unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    let mut messages = MessageStream::new(&bytes).unwrap().map(Result::unwrap);
+    let scene = messages.find(|m| m.channel.topic == "/scene/contact").unwrap();
+    let scene = <SceneUpdate as prost::Message>::decode(scene.data.as_ref()).unwrap();
+    let others = [snapshot.centre_of_pressure, snapshot.stable_point];
+    assert_eq!(entity(&scene, "balance").spheres.len(), others.iter().flatten().count());
+}

@@ -149,7 +149,10 @@ fn state_colour(state: &str) -> [f32; 4] {
 }
 
 fn draw_balance(s: &Snapshot, size: f64, to: &mut ProtoWriter) {
-    write_ball(&s.com, 2.0 * size, MASS, to);
+    // Ground without mass has no centre of mass.
+    if s.com.iter().all(|x| x.is_finite()) {
+        write_ball(&s.com, 2.0 * size, MASS, to);
+    }
     s.centre_of_pressure.iter().for_each(|cop| write_ball(cop, 1.5 * size, PRESSURE, to));
     s.stable_point.iter().for_each(|stable| write_ball(stable, 1.5 * size, STABLE, to));
     // An entity replaces its predecessor, so without this list the old polygon vanishes.
