@@ -261,7 +261,7 @@ def show(options):
         if options.command == "picture":
             picture.write(options.folder, options.output)
         else:
-            print(tables.text(options.folder, options.step))
+            print(tables.text([options.folder], options.step))
     except FileNotFoundError as error:
         raise UsageError(f"{error.filename}: no such file, expected the folder of a `run`") from error
     except KeyError as error:

@@ -36,10 +36,9 @@ def _choice(row):
 class Summary:
     """Rows of a summary at one step: fixed steps at `step`, adaptive engines at their middle tolerance."""
 
-    def __init__(self, folder, step):
-        folder = Path(folder)
-        every = rows.read_cells(folder)
-        self.truths = rows.read(folder / "truths.csv")
+    def __init__(self, folders, step):
+        every = [row for folder in folders for row in rows.read_cells(folder)]
+        self.truths = rows.read(Path(folders[0]) / "truths.csv")
         self.choices = list(dict.fromkeys(_choice(row) for row in every))
         tolerances = {}
         for row in every:
@@ -147,9 +146,9 @@ def versions(summary):
     yield from table(["engine", "version", "runs"], [[e, found[e], counted(outcomes[e])] for e in found])
 
 
-def text(folder, step):
-    """All tables of a folder."""
-    summary = Summary(folder, step)
+def text(folders, step):
+    """All tables of the results in some folders, of the same cases."""
+    summary = Summary(folders, step)
     lines = [*versions(summary), *errors(summary), *costs(summary)]
     unsupported = list(reasons(summary))
     if unsupported:
