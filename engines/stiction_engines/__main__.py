@@ -223,7 +223,8 @@ def run(options):
         complete = cost.run(cells, results, options.rounds, _cost_progress)
     report(cells, results)
     print(f"\n{time.monotonic() - begin:.0f} s")
-    for file in (rows.write_summary(folder, cases, cells, results), rows.write_truths(folder, cases)):
+    summary, truths = rows.write_summary(folder, cases, cells, results), rows.write_truths(folder, cases)
+    for file in (summary, summary.with_name(rows.DETAILS), truths):
         print(file)
     return 0 if complete else 128 + interrupted[0]
 
@@ -278,6 +279,10 @@ def main(arguments=None):
         if options.command == "run":
             return run(options)
         return list_all() if options.command == "list" else show(options)
+    except BrokenPipeError:
+        # The reader has ended, such as `head`. Python would complain once more when it flushes at its end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except (UsageError, case.CaseError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
