@@ -275,7 +275,7 @@ impl CandidateSolver {
 
     /// Whether the loads of the last solve are not unique, or only by the last digits of the robot file.
     pub fn is_indeterminate(&self) -> bool {
-        self.linear.has_redundant(self.size)
+        self.linear.rank() < self.size || self.is_nearly_indeterminate()
     }
 
     /// Response of the motions to a small wrench `six` (e) on sole `s` under the conditions of the
