@@ -11,7 +11,7 @@ import numpy
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 
-from .parts import BOX, G, box, case, floor, measure, placed, urdf
+from .parts import BOX, G, box, case, floor, measure, placed, urdf, rising
 
 MU = 0.5
 RADIUS = 0.15  # of the circle of points, m
@@ -126,17 +126,7 @@ def cases():
                         direction=direction,
                     ),
                 ],
-                forces=[
-                    {
-                        "body": "box",
-                        "link": "box",
-                        "point": [0, 0, -BOX[2] / 2],
-                        "knots": [
-                            [0.0] + [0.0] * 6,
-                            [1.0, rate * direction[0], rate * direction[1], 0, 0, 0, 0],
-                        ],
-                    }
-                ],
+                forces=[rising("box", -BOX[2] / 2, (rate * direction[0], rate * direction[1], 0))],
             ),
             files,
         )
@@ -145,12 +135,7 @@ def cases():
     start = [0, 0, CLEARANCE]
     rate, duration = 1.5 * MU * G * RADIUS, 0.8
     slip = MU * G * RADIUS / rate
-    push = lambda force, moment: {
-        "body": "stool",
-        "link": "stool",
-        "point": [0, 0, -CLEARANCE],
-        "knots": [[0.0] + [0.0] * 6, [1.0, 0, force, 0, 0, 0, moment]],
-    }
+    push = lambda force, moment: rising("stool", -CLEARANCE, (0, force, 0), (0, 0, moment))
     yield (
         case(
             "breakaway-turn",

@@ -110,3 +110,9 @@ def tilted(angle, heading=0.0):
     """Gravity on a slope that falls by `angle` towards `heading` about z."""
     s = G * math.sin(angle)
     return [s * math.cos(heading), s * math.sin(heading), -G * math.cos(angle)]
+
+
+def rising(body, height, force=(0, 0, 0), moment=(0, 0, 0)):
+    """A load on a body of one link that rises from 0 to these values in 1 s, at a height in the link's frame."""
+    knots = [[0.0] + [0.0] * 6, [1.0, *force, *moment]]
+    return {"body": body, "link": body, "point": [0, 0, height], "knots": knots}

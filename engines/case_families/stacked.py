@@ -1,6 +1,6 @@
 """Boxes on boxes."""
 
-from .parts import G, box, case, floor, measure, placed
+from .parts import G, box, case, floor, measure, placed, rising
 
 SLIPPING = 1e-3  # m/s
 
@@ -14,12 +14,7 @@ def cases():
     friction = floor(on_floor, ["lower"]) + [
         {"bodies": ["lower", "upper"], "static": between, "kinetic": between}
     ]
-    ramp = lambda body, rate: {
-        "body": body,
-        "link": body,
-        "point": [0, 0, -0.05],
-        "knots": [[0.0] + [0.0] * 6, [1.0, rate, 0, 0, 0, 0, 0]],
-    }
+    ramp = lambda body, rate: rising(body, -0.05, force=(rate, 0, 0))
     rate, duration = 6.0, 0.8
     slip = between * 1.0 * G / rate
     yield (

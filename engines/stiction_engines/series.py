@@ -68,9 +68,11 @@ def matrix(quaternion):
 def rpy(quaternion):
     """Roll, pitch, yaw of a unit quaternion, as in URDF."""
     m = matrix(quaternion)
-    if abs(m[2, 0]) > 1 - 1e-14:
-        return [0.0, math.copysign(math.pi / 2, -m[2, 0]), math.atan2(-m[0, 1], m[1, 1])]
-    return [math.atan2(m[2, 1], m[2, 2]), math.asin(-m[2, 0]), math.atan2(m[1, 0], m[0, 0])]
+    cosine = math.hypot(m[0, 0], m[1, 0])
+    pitch = math.atan2(-m[2, 0], cosine)
+    if cosine < 1e-9:
+        return [math.atan2(-m[1, 2], m[1, 1]), pitch, 0.0]
+    return [math.atan2(m[2, 1], m[2, 2]), pitch, math.atan2(m[1, 0], m[0, 0])]
 
 
 FIELDS = ["position", "orientation", "linear_velocity", "angular_velocity", "q", "qd"]

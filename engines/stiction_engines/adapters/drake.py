@@ -8,7 +8,6 @@ carry the friction of the pair: Drake combines coefficients by 2 a b / (a + b), 
 import itertools
 import logging
 import math
-import xml.etree.ElementTree as xml
 from dataclasses import dataclass
 from importlib.metadata import version
 
@@ -43,6 +42,7 @@ from pydrake.systems.framework import DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import AffineSystem
 
 from stiction_engines.engine import BodyState, Engine, Failed, Settings, Simulation, Unsupported
+from stiction_engines.urdf import joint_names
 
 # Drake warns of every rigid half space that it does not touch deformable bodies; no case has any.
 logging.getLogger("drake").setLevel(logging.ERROR)
@@ -123,12 +123,6 @@ class Adapter(Engine):
 
     def simulation(self, case, settings, step):
         return _Simulation(case, OPTIONS[settings.name], step)
-
-
-def _joints(urdf):
-    """Names of the joints of a URDF in its order, fixed ones left out."""
-    joints = xml.parse(urdf).iter("joint")
-    return [joint.get("name") for joint in joints if joint.get("type") not in (None, "fixed")]
 
 
 class _Forces(LeafSystem):
@@ -331,7 +325,7 @@ class _Simulation(Simulation):
             p, w = root.floating_positions_start(), root.floating_velocities_start_in_v()
             q[p : p + 4], q[p + 4 : p + 7] = body.orientation, body.position
             v[w : w + 3], v[w + 3 : w + 6] = body.angular_velocity, body.linear_velocity
-            joints = [plant.GetJointByName(name, model) for name in _joints(body.urdf)]
+            joints = [plant.GetJointByName(name, model) for name in joint_names(body)]
             positions = [joint.position_start() for joint in joints]
             velocities = [joint.velocity_start() for joint in joints]
             q[positions] = [body.joints.get(joint.name(), 0.0) for joint in joints]

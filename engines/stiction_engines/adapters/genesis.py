@@ -5,8 +5,6 @@ of two coefficients of friction; bit masks let only pairs of the case touch. Gen
 when a process first needs them, and keeps them in a cache on disk.
 """
 
-import math
-import xml.etree.ElementTree as xml
 from dataclasses import dataclass, field
 from importlib.metadata import version
 
@@ -15,6 +13,7 @@ import numpy
 
 from stiction_engines.engine import BodyState, Engine, Failed, Settings, Simulation, Unsupported
 from stiction_engines.series import matrix
+from stiction_engines.urdf import joint_names, with_shapes
 
 # Radius of the sphere that stands for a point of contact, m. Its lowest point is the point where the link
 # is level; where the link tilts by an angle a, it is lower by r (1 - cos a).
@@ -85,56 +84,12 @@ def masks(case):
     return found
 
 
-def rpy(quaternion):
-    """Roll, pitch and yaw, as in a URDF, of a quaternion w, x, y, z."""
-    turn = matrix(quaternion)
-    cosine = math.hypot(turn[0, 0], turn[1, 0])
-    pitch = math.atan2(-turn[2, 0], cosine)
-    if cosine < 1e-9:
-        return math.atan2(-turn[1, 2], turn[1, 1]), pitch, 0.0
-    return math.atan2(turn[2, 1], turn[2, 2]), pitch, math.atan2(turn[1, 0], turn[0, 0])
-
-
-def text(values):
-    """Numbers of an attribute of a URDF."""
-    return " ".join(f"{value:.17g}" for value in values)
-
-
-def add_collision(link, kind, position, orientation, **attributes):
-    """Adds a shape to a link of a URDF."""
-    collision = xml.SubElement(link, "collision")
-    xml.SubElement(collision, "origin", xyz=text(position), rpy=text(rpy(orientation)))
-    xml.SubElement(xml.SubElement(collision, "geometry"), kind, attributes)
-
-
-def urdf_with_shapes(body):
-    """Text of a body's URDF with the shapes that touch, and the names of its joints in order."""
-    robot = xml.parse(body.urdf).getroot()
-    links = {link.get("name"): link for link in robot.iter("link")}
-    for name, shape in ((name, shape) for name, shapes in body.touching.items() for shape in shapes):
-        placed = links[name], shape.kind, shape.position, shape.orientation
-        if shape.kind == "box":
-            add_collision(*placed, size=text(shape.size))
-        elif shape.kind == "sphere":
-            add_collision(*placed, radius=text([shape.radius]))
-        elif shape.kind == "cylinder":
-            add_collision(*placed, radius=text([shape.radius]), length=text([shape.length]))
-        elif shape.kind == "points":
-            for point in shape.points:
-                centre = shape.position + matrix(shape.orientation) @ point + [0.0, 0.0, POINT_RADIUS]
-                add_collision(links[name], "sphere", centre, [1, 0, 0, 0], radius=text([POINT_RADIUS]))
-        else:
-            raise Unsupported(f"no shape {shape.kind!r} (body {body.name})")
-    joints = [joint.get("name") for joint in robot.findall("joint") if joint.get("type") != "fixed"]
-    return xml.tostring(robot, encoding="unicode"), joints
-
-
 class Entity:
     """A body of a case in a scene."""
 
     def __init__(self, body, scene, friction, mask):
         self.body = body
-        urdf, self.names = urdf_with_shapes(body)
+        urdf, self.names = with_shapes(body, POINT_RADIUS), joint_names(body)
         self.entity = scene.add_entity(
             genesis.morphs.URDF(
                 file=urdf, merge_fixed_links=False, default_armature=None, align=False,

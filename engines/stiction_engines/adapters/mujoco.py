@@ -6,13 +6,13 @@ pairs, so nothing else touches. Masses, inertias and joints are those of the URD
 
 import itertools
 import math
-import xml.etree.ElementTree as xml
 from dataclasses import dataclass
 
 import mujoco
 import numpy
 
 from stiction_engines.engine import BodyState, Engine, Failed, Settings, Simulation, Unsupported
+from stiction_engines.urdf import joint_names
 
 # Radius of the sphere that stands for a point of contact, m. Its lowest point is the point where the link
 # is level; where the link tilts by an angle a, it is lower by r (1 - cos a).
@@ -129,8 +129,7 @@ def add_body(spec, body):
             child.body(link).add_geom(name=name, mass=0, contype=0, conaffinity=0, **arguments)
             names.append(prefix + name)
     # MuJoCo sorts joints along the tree, not as the URDF does.
-    elements = xml.parse(body.urdf).getroot().findall("joint")
-    joints = [joint.get("name") for joint in elements if joint.get("type") != "fixed"]
+    joints = joint_names(body)
     for joint in child.joints:
         joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
         joint.armature = body.armature.get(joint.name, 0.0)

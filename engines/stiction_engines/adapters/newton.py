@@ -8,7 +8,6 @@ has an adapter.
 """
 
 import itertools
-import xml.etree.ElementTree as xml
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -22,6 +21,7 @@ import newton  # noqa: E402
 
 from stiction_engines.engine import BodyState, Engine, Failed, Settings, Simulation, Unsupported  # noqa: E402
 from stiction_engines.series import matrix  # noqa: E402
+from stiction_engines.urdf import joint_names  # noqa: E402
 
 # Radius of the sphere that stands for a point of contact, m. Its lowest point is the point where the link
 # is level; where the link tilts by an angle a, it is lower by r (1 - cos a).
@@ -142,8 +142,7 @@ class Articulation:
         self.body = body
         self.links = {name(label): first_link + k for k, label in enumerate(builder.body_label[first_link:])}
         joints = {name(label): first_joint + k for k, label in enumerate(builder.joint_label[first_joint:])}
-        elements = xml.parse(body.urdf).getroot().findall("joint")
-        self.names = [joint.get("name") for joint in elements if joint.get("type") != "fixed"]
+        self.names = joint_names(body)
         self.root = builder.joint_child[first_joint]
         self.centre = numpy.array(builder.body_com[self.root])
         self.q, self.qd = builder.joint_q_start[first_joint], builder.joint_qd_start[first_joint]

@@ -21,7 +21,6 @@ Here the axes stand still during the step, and the position of the root moves al
 """
 
 import itertools
-import xml.etree.ElementTree as xml
 from collections import namedtuple
 from dataclasses import dataclass
 
@@ -29,6 +28,7 @@ import numpy
 import pinocchio as pin
 
 from ..engine import BodyState, Engine, Failed, Settings, Simulation, Unsupported
+from ..urdf import joint_names
 
 #: Part of a penetration that a step removes.
 CORRECTION = 0.2
@@ -267,8 +267,7 @@ class PinocchioSimulation(Simulation):
         self.x, self.v, self.kp, self.kd, self.target, armature = numpy.zeros((6, self.model.nv))
         self.roots, self.turns = [], []
         for body in case.bodies:
-            joints = xml.parse(body.urdf).getroot().iter("joint")
-            names = [joint.get("name") for joint in joints if joint.get("type") != "fixed"]
+            names = joint_names(body)
             find = lambda name: self.model.joints[self.model.getJointId(f"{body.name}/{name}")]
             root, *joints = [find(name) for name in ("root_joint", *names)]
             if any(joint.nv != 1 for joint in joints):

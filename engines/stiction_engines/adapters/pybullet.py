@@ -8,7 +8,6 @@ the shapes that touch added. Only the pairs of the case pass the collision filte
 import itertools
 import math
 import tempfile
-import xml.etree.ElementTree as xml
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from pathlib import Path
@@ -17,6 +16,7 @@ import numpy
 import pybullet
 
 from stiction_engines.engine import BodyState, Engine, Failed, Settings, Simulation, Unsupported
+from stiction_engines.urdf import joint_names, with_shapes
 
 # Radius of the sphere that stands for a point of contact, m. Its lowest point is the point where the link
 # is level; where the link tilts by an angle a, it is lower by r (1 - cos a).
@@ -120,59 +120,16 @@ def product(first, second):
     return numpy.array([*vector, first[3] * second[3] - a @ b])
 
 
-def rpy(quaternion):
-    """Roll, pitch and yaw, as in a URDF, of a quaternion w, x, y, z."""
-    matrix = rotation(xyzw(quaternion))
-    pitch = math.atan2(-matrix[2, 0], math.hypot(matrix[0, 0], matrix[1, 0]))
-    if math.hypot(matrix[0, 0], matrix[1, 0]) < 1e-9:
-        return math.atan2(-matrix[1, 2], matrix[1, 1]), pitch, 0.0
-    return math.atan2(matrix[2, 1], matrix[2, 2]), pitch, math.atan2(matrix[1, 0], matrix[0, 0])
-
-
-def text(values):
-    """Numbers of an attribute of a URDF."""
-    return " ".join(f"{value:.17g}" for value in values)
-
-
-def add_collision(link, kind, position, orientation, **attributes):
-    """Adds a shape to a link of a URDF."""
-    collision = xml.SubElement(link, "collision")
-    xml.SubElement(collision, "origin", xyz=text(position), rpy=text(rpy(orientation)))
-    xml.SubElement(xml.SubElement(collision, "geometry"), kind, attributes)
-
-
-def urdf_with_shapes(body):
-    """Text of a body's URDF with the shapes that touch, and the names of its joints in order.
+class Multibody:
+    """A body of a case in a client of Bullet.
 
     Bullet shrinks boxes and cylinders by a margin and adds it around them: faces keep their place; where GJK
     finds the contact, edges are rounded with this radius. The margin stays at the 1 mm of PyBullet.
     """
-    robot = xml.parse(body.urdf).getroot()
-    links = {link.get("name"): link for link in robot.iter("link")}
-    for name, shape in ((name, shape) for name, shapes in body.touching.items() for shape in shapes):
-        placed = links[name], shape.kind, shape.position, shape.orientation
-        if shape.kind == "box":
-            add_collision(*placed, size=text(shape.size))
-        elif shape.kind == "sphere":
-            add_collision(*placed, radius=text([shape.radius]))
-        elif shape.kind == "cylinder":
-            add_collision(*placed, radius=text([shape.radius]), length=text([shape.length]))
-        elif shape.kind == "points":
-            for point in shape.points:
-                centre = shape.position + rotation(xyzw(shape.orientation)) @ point + [0.0, 0.0, POINT_RADIUS]
-                add_collision(links[name], "sphere", centre, [1, 0, 0, 0], radius=text([POINT_RADIUS]))
-        else:
-            raise Unsupported(f"no shape {shape.kind!r} (body {body.name})")
-    joints = [joint.get("name") for joint in robot.findall("joint") if joint.get("type") != "fixed"]
-    return xml.tostring(robot, encoding="unicode"), joints
-
-
-class Multibody:
-    """A body of a case in a client of Bullet."""
 
     def __init__(self, body, client, folder):
         self.client = {"physicsClientId": client}
-        urdf, names = urdf_with_shapes(body)
+        urdf, names = with_shapes(body, POINT_RADIUS), joint_names(body)
         file = Path(folder) / f"{body.name}.urdf"
         file.write_text(urdf)
         self.id = pybullet.loadURDF(

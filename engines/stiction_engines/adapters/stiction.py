@@ -10,13 +10,13 @@ import os
 import shutil
 import subprocess
 import tempfile
-import xml.etree.ElementTree as xml
 from pathlib import Path
 
 import numpy
 
 from stiction_engines.engine import BodyState, Engine, Failed, Settings, Unsupported
 from stiction_engines.series import collected, rpy
+from stiction_engines.urdf import joint_names, with_shapes
 
 ADAPTIVE = (1e-4, 1e-6, 1e-8)
 #: Records of adaptive runs, Hz; runs of fixed steps have one at each step.
@@ -97,28 +97,9 @@ def _robot(case):
 
 
 def _urdf(body, folder):
-    """Writes the URDF with the body's shapes, its points left out, which become soles."""
-    robot = xml.parse(body.urdf).getroot()
-    for link in robot.iter("link"):
-        for shape in body.touching.get(link.get("name"), []):
-            if shape.kind == "points":
-                continue
-            collision = xml.SubElement(link, "collision")
-            angles = " ".join(map(repr, rpy(shape.orientation)))
-            xml.SubElement(
-                collision, "origin", xyz=" ".join(map(repr, map(float, shape.position))), rpy=angles
-            )
-            geometry = xml.SubElement(collision, "geometry")
-            if shape.kind == "box":
-                xml.SubElement(geometry, "box", size=" ".join(map(repr, map(float, shape.size))))
-            elif shape.kind == "sphere":
-                xml.SubElement(geometry, "sphere", radius=repr(shape.radius))
-            elif shape.kind == "cylinder":
-                xml.SubElement(geometry, "cylinder", radius=repr(shape.radius), length=repr(shape.length))
-            else:
-                raise Unsupported(f"no shape of kind {shape.kind}")
+    """Writes the URDF with the body's shapes. Its points are left out: they become soles."""
     file = folder / f"{body.name}.urdf"
-    xml.ElementTree(robot).write(file)
+    file.write_text(with_shapes(body))
     return file.name
 
 
@@ -137,11 +118,6 @@ def _soles(body):
                 {"name": f"{link}{len(soles) + i}", "link": link, "polygon": g} for i, g in enumerate(groups)
             ]
     return soles
-
-
-def _joints(body):
-    joints = xml.parse(body.urdf).getroot().iter("joint")
-    return [joint.get("name") for joint in joints if joint.get("type") != "fixed"]
 
 
 def _toml(value):
@@ -167,7 +143,7 @@ def _placed(body):
 def _joint_table(body):
     """Drives by joint."""
     table = {}
-    for joint in _joints(body):
+    for joint in joint_names(body):
         servo = body.servos.get(joint)
         if servo and servo.target != body.joints.get(joint, 0.0):
             raise Unsupported("servos hold the posture of the start")
@@ -267,7 +243,7 @@ def _series(case, robot, folder):
     bodies = []
     for body in case.bodies:
         if body is robot:
-            joints = _joints(body)
+            joints = joint_names(body)
             nothing = numpy.zeros((len(rows), 0))
             bodies.append(
                 (
