@@ -328,3 +328,34 @@ fn a_short_push_transfers_its_impulse() {
         assert!((m.final_base_velocity[0] - x / x.sin()).abs() < 1e-9, "{n}: {}", m.final_base_velocity[0]);
     }
 }
+
+#[test]
+fn a_remainder_of_rounding_between_two_instants_is_no_motion() {
+    // 0.2 + 0.1 is one rounding above the control tick at 0.3 s. Steps between both, 6e-17 s, once closed gaps of
+    // rounding at 1e6 m/s. With the shorter push both instants are one.
+    assert!(0.2 + 0.1 > 0.3 && 0.2 + 0.099_999_999_999_999_98 == 0.3);
+    for method in ["exact", "one-step", "lcp", "ncp", "penalty"] {
+        let end = |duration: f64| {
+            let metrics = run(&format!(
+                "duration = 0.31
+                robot = {{ model = \"robots/hoap2/hoap2.toml\" }}
+                floor.friction = {{ static = 0.3, kinetic = 0.2 }}
+                contact.method = \"{method}\"
+                integrator = {{ method = \"semi-implicit\", step = 1e-3 }}
+                force = [{{ type = \"push\", link = \"torso\", force = [25, 5, 0], start = 0.2, duration = {duration} }}]
+                [[task]]
+                type = \"sine\"
+                ramp = 0.1
+                duration = 0.31
+                joints = {{ left_shoulder_pitch = {{ amplitude = 0.01, frequency = 4 }} }}\n"
+            ));
+            (metrics.final_base_position, metrics.final_base_velocity)
+        };
+        let ((p, v), (q, w)) = (end(0.1), end(0.099_999_999_999_999_98));
+        for axis in 0..3 {
+            // Rounding, amplified by the states of sliding vertices.
+            assert!((p[axis] - q[axis]).abs() < 1e-9, "{method}: {p:?} {q:?}");
+            assert!((v[axis] - w[axis]).abs() < 1e-7, "{method}: {v:?} {w:?}");
+        }
+    }
+}
