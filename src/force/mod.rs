@@ -172,6 +172,11 @@ pub trait Force: Any + Send {
         &[]
     }
 
+    /// Whether its forces depend on earlier calls, so that a run cannot return to an earlier state.
+    fn has_memory(&self) -> bool {
+        false
+    }
+
     /// The error of a failed evaluation; the run then ends with outcome `error`.
     fn failure(&self) -> Option<ForceError> {
         None

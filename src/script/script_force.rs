@@ -134,6 +134,10 @@ impl Force for ScriptForce {
         &self.corners
     }
 
+    fn has_memory(&self) -> bool {
+        true
+    }
+
     fn failure(&self) -> Option<ForceError> {
         self.failure.clone().map(ForceError::new)
     }

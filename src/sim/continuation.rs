@@ -7,7 +7,7 @@ use super::run_error::RunError;
 use super::saved_state::SavedState;
 use super::setup::Setup;
 use super::simulation::Simulation;
-use crate::task::TaskServer;
+use crate::task::{Task, TaskServer};
 
 impl Simulation {
     /// Continues as the run of `setup`, which may differ from the present one only in the future:
@@ -65,6 +65,14 @@ impl Simulation {
         run.fill_snapshot(&mut snapshot);
         (run.plant.solution, run.plant.within, run.plant.evaluations) = saved;
         snapshot
+    }
+
+    /// Adds a task that begins at the first tick at or after `start`, s. Its commands override those of
+    /// the tasks before it. Then steps end at every tick.
+    pub fn add_task(&mut self, start: f64, task: Box<dyn Task>) {
+        self.run.tasks.add(start, task);
+        self.run.tasks.tick_always();
+        self.run.log.snapshot.points = snapshot::blank_points(&self.run.tasks);
     }
 
     /// The tasks and their state.

@@ -25,6 +25,7 @@
 pub mod actuation;
 pub mod bodies;
 pub mod carried_object;
+mod checkpoint;
 pub mod command_source;
 mod contact_states;
 mod continuation;
@@ -47,6 +48,7 @@ mod stepping;
 mod termination;
 
 pub use carried_object::CarriedObject;
+pub use checkpoint::Checkpoint;
 pub use command_source::CommandSource;
 pub use event_kind::EventKind;
 pub use floor::Floor;

@@ -37,7 +37,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// A run: its state and its stepper.
 pub struct Simulation {
     pub(super) run: RunState,
-    stepper: Stepper,
+    pub(super) stepper: Stepper,
     /// Notes for the user at the end of the run.
     notes: Vec<String>,
 }

@@ -7,7 +7,7 @@ use super::simulation::Simulation;
 use crate::contact::model::state::SoleState;
 use crate::dynamics::State;
 use crate::robot::Model;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 impl Simulation {
     /// Advances to the first end of a step at or after `time` (s), or to the end of the run.
@@ -20,6 +20,9 @@ impl Simulation {
             self.begin(observer)?;
         }
         while self.time() < time.min(self.run.duration) {
+            if self.run.cancel.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+                return Err(RunError::new(Outcome::Cancelled, "interrupted"));
+            }
             self.step(observer)?;
         }
         Ok(())

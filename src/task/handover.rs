@@ -39,7 +39,7 @@ impl ReleaseOffset {
 }
 
 /// Efforts that one temporary task has set.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct TemporaryEfforts {
     /// By joint: its last effort, if it has set the joint's effort or mode.
     efforts: Vec<Option<f64>>,

@@ -128,6 +128,12 @@ pub trait Task: Any + Send {
         false
     }
 
+    /// Whether its commands depend on earlier calls, so that a run cannot return to an earlier state
+    /// while the task is active.
+    fn has_memory(&self) -> bool {
+        true
+    }
+
     /// The augmented data it reads; queried before `init` and before every `run`.
     fn needs(&self) -> Needs {
         Needs::NONE

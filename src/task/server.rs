@@ -217,7 +217,70 @@ impl TaskServer {
     }
 }
 
+/// Progress of the tasks of a server: commands, ticks, and which tasks have begun and ended.
+#[derive(Clone)]
+pub struct TaskProgress {
+    command: Command,
+    handover: Handover,
+    tick: u64,
+    remote_next: Option<Option<u64>>,
+    slots: Vec<SlotProgress>,
+}
+
+#[derive(Clone, PartialEq)]
+struct SlotProgress {
+    begun: bool,
+    ended: bool,
+    end_requested: bool,
+    changed: usize,
+    temporary: TemporaryEfforts,
+}
+
+impl TaskServer {
+    /// The present progress.
+    pub fn progress(&self) -> TaskProgress {
+        TaskProgress {
+            command: self.command.clone(),
+            handover: self.handover.clone(),
+            tick: self.tick,
+            remote_next: self.remote_next,
+            slots: self.slots.iter().map(TaskSlot::progress).collect(),
+        }
+    }
+
+    /// Returns to an earlier progress of these tasks.
+    ///
+    /// # Errors
+    /// The name of a task with memory that was called since or will go on from there.
+    pub fn return_to(&mut self, progress: &TaskProgress) -> Result<(), String> {
+        let kept = |slot: &TaskSlot, then: &SlotProgress| {
+            !slot.task.has_memory() || (!slot.begun && !then.begun) || (slot.ended && then.ended)
+        };
+        if let Some((slot, _)) = self.slots.iter().zip(&progress.slots).find(|(slot, then)| !kept(slot, then)) {
+            return Err(slot.task.name().to_owned());
+        }
+        self.command.copy_from(&progress.command);
+        self.handover = progress.handover.clone();
+        (self.tick, self.remote_next) = (progress.tick, progress.remote_next);
+        for (slot, then) in self.slots.iter_mut().zip(&progress.slots) {
+            (slot.begun, slot.ended, slot.end_requested) = (then.begun, then.ended, then.end_requested);
+            (slot.changed, slot.temporary) = (then.changed, then.temporary.clone());
+        }
+        Ok(())
+    }
+}
+
 impl TaskSlot {
+    fn progress(&self) -> SlotProgress {
+        SlotProgress {
+            begun: self.begun,
+            ended: self.ended,
+            end_requested: self.end_requested,
+            changed: self.changed,
+            temporary: self.temporary.clone(),
+        }
+    }
+
     /// Makes all calls that are due at a tick. Returns whether the task is done.
     fn call(
         &mut self,

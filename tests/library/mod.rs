@@ -9,6 +9,8 @@ mod run_scenario;
 #[path = "../../examples/step_and_read.rs"]
 mod step_and_read;
 
+mod checkpoint;
+
 use std::sync::Arc;
 use stiction::{Error, Options, Outcome, Scenario, Setup, Simulation, run_batch};
 

@@ -84,6 +84,7 @@ enum Function {
 }
 
 /// The event functions of one step.
+#[derive(Clone)]
 pub(crate) struct EventFunctions {
     functions: Vec<Function>,
     /// Functions negative at the start, because no valid state was found: ignored until the end of

@@ -103,6 +103,12 @@ pub trait ContactSolver: Send {
         StoredEnergy::default()
     }
 
+    /// A copy with its memory, for checkpoints; none if it cannot be copied. Methods without memory between
+    /// calls need no copy.
+    fn copy(&self) -> Option<Box<dyn ContactSolver>> {
+        None
+    }
+
     /// Calls `each` with sole, vertex and slopes of every vertex whose force follows from its present height and
     /// velocity.
     fn slopes(&self, _: &Problem, _each: &mut dyn FnMut(usize, usize, VertexSlopes)) {}

@@ -33,6 +33,7 @@ pub struct ExactParameters {
 }
 
 /// Solver of the method.
+#[derive(Clone)]
 pub struct Exact {
     selector: Selector,
 }
@@ -59,6 +60,10 @@ impl Exact {
 }
 
 impl ContactSolver for Exact {
+    fn copy(&self) -> Option<Box<dyn ContactSolver>> {
+        Some(Box::new(self.clone()))
+    }
+
     fn scheme(&self) -> Scheme {
         Scheme::EventDriven
     }

@@ -14,9 +14,10 @@ use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{SoleState, States};
 use crate::contact::search::judge::{Assessment, Rules};
 use crate::contact::search::select::Selection;
+use std::sync::Arc;
 
 /// Makes a solver for problems of the size of its argument.
-type Factory = Box<dyn Fn(&Problem) -> Box<dyn ContactSolver> + Send>;
+type Factory = Arc<dyn Fn(&Problem) -> Box<dyn ContactSolver> + Send + Sync>;
 
 /// A solver of a method that solves each island by itself.
 pub struct Islands {
@@ -119,6 +120,16 @@ impl Islands {
 }
 
 impl Island {
+    fn copy(&self) -> Option<Island> {
+        Some(Island {
+            soles: self.soles.clone(),
+            problem: self.problem.clone(),
+            solution: self.solution.clone(),
+            rules: self.rules.clone(),
+            solver: self.solver.copy()?,
+        })
+    }
+
     /// Copies its part of the problem and of the last solution.
     fn gather(&mut self, p: &Problem, out: &Solution) {
         let (dim, own) = (p.dim(), self.problem.dim());
@@ -201,6 +212,12 @@ fn add(all: &mut Selection, part: &Selection, soles: &[usize]) {
 }
 
 impl ContactSolver for Islands {
+    fn copy(&self) -> Option<Box<dyn ContactSolver>> {
+        let parts = self.parts.iter().map(Island::copy).collect::<Option<_>>()?;
+        let (roots, make) = (self.roots.clone(), self.make.clone());
+        Some(Box::new(Islands { whole: self.whole.copy()?, make, roots, is_one: self.is_one, parts }))
+    }
+
     fn scheme(&self) -> Scheme {
         self.whole.scheme()
     }
@@ -281,7 +298,7 @@ mod tests {
     fn islands_are_solved_as_the_whole_and_joined_when_they_meet() {
         let make = |p: &Problem| (METHODS[0].solver)(&MethodParameters::default(), p);
         let mut p = problem(false);
-        let mut islands = Islands::new(&p, make(&p), Box::new(make));
+        let mut islands = Islands::new(&p, make(&p), Arc::new(make));
         let mut states = States::default();
         [Pattern::Vertex(0), Pattern::Face, Pattern::Vertex(0)].into_iter().enumerate().for_each(|(s, pattern)| {
             states[s] = SoleState::fixed(pattern);
@@ -300,7 +317,7 @@ mod tests {
         let rules = Rules::new(Default::default(), states.clone());
         let input = SelectionInput { rules: &rules, event: true, allowed: &|_, _| true, cancel: None };
         p = problem(false);
-        let mut apart = Islands::new(&p, make(&p), Box::new(make));
+        let mut apart = Islands::new(&p, make(&p), Arc::new(make));
         let (mut found, mut expected) = (Solution::new(&p), Solution::new(&p));
         let chosen = apart.select(&mut p, &input, &mut found);
         let whole = make(&p).select(&mut problem(false), &input, &mut expected);

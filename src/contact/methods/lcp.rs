@@ -103,6 +103,7 @@ impl LcpParameters {
 }
 
 /// Solver of the method.
+#[derive(Clone)]
 pub struct Lcp {
     directions: Vec<Vector2<f64>>,
     /// Unit normals of the pyramid's sides.
@@ -286,6 +287,10 @@ fn directions(facets: u32) -> Vec<Vector2<f64>> {
 }
 
 impl ContactSolver for Lcp {
+    fn copy(&self) -> Option<Box<dyn ContactSolver>> {
+        Some(Box::new(self.clone()))
+    }
+
     fn scheme(&self) -> Scheme {
         Scheme::TimeStepping
     }

@@ -83,6 +83,7 @@ impl Default for NcpParameters {
 }
 
 /// Solver of the method.
+#[derive(Clone)]
 pub struct Ncp {
     parameters: NcpParameters,
     points: Points,
@@ -122,6 +123,10 @@ impl Ncp {
 }
 
 impl ContactSolver for Ncp {
+    fn copy(&self) -> Option<Box<dyn ContactSolver>> {
+        Some(Box::new(self.clone()))
+    }
+
     fn scheme(&self) -> Scheme {
         Scheme::TimeStepping
     }

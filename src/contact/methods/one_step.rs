@@ -25,6 +25,7 @@ pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
 };
 
 /// Solver of the method.
+#[derive(Clone)]
 pub struct OneStep {
     solver: CandidateSolver,
 }
@@ -64,6 +65,10 @@ impl OneStep {
 }
 
 impl ContactSolver for OneStep {
+    fn copy(&self) -> Option<Box<dyn ContactSolver>> {
+        Some(Box::new(self.clone()))
+    }
+
     fn scheme(&self) -> Scheme {
         Scheme::DecidedPerStep
     }

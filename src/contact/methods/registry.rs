@@ -10,6 +10,7 @@ use super::penalty::PenaltyParameters;
 use super::{exact, lcp, ncp, one_step, penalty};
 use crate::contact::model::problem::Problem;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// All methods, in the order of tables, schemas and colours.
 pub const METHODS: [&MethodDescriptor; 5] =
@@ -83,7 +84,7 @@ impl ContactMethod for RegisteredMethod {
         if p.soles.len() < 2 || whole.scheme() == Scheme::Compliant {
             return whole;
         }
-        Box::new(Islands::new(p, whole, Box::new(move |p| make(&parameters, p))))
+        Box::new(Islands::new(p, whole, Arc::new(move |p| make(&parameters, p))))
     }
 
     fn parameters(&self) -> MethodParameters {

@@ -5,6 +5,7 @@ use crate::robot::Model;
 use crate::task::Command;
 
 /// Efforts of the drives at the last evaluation, by joint unless stated otherwise.
+#[derive(Clone)]
 pub struct Drives {
     /// Actuator efforts.
     pub efforts: Vec<f64>,

@@ -66,6 +66,7 @@ fn with_contact<T>(sim: &RunState, f: impl FnOnce(&ContactInForce) -> T) -> T {
 }
 
 /// The event functions of one step of a run.
+#[derive(Clone)]
 pub struct StepEventFunctions(EventFunctions);
 
 impl StepEventFunctions {

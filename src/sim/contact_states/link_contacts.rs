@@ -27,6 +27,7 @@ const KEPT: f64 = 2.0;
 pub type LinkPolygon = (usize, Vec<u16>);
 
 /// Hulls of the links that may touch, and their polygons.
+#[derive(Clone)]
 pub struct LinkContacts {
     pub(super) hulls: Vec<LinkHull>,
     /// Present polygons, in the order of the plant's polygons after the soles.

@@ -42,6 +42,7 @@ impl Candidate {
 }
 
 /// What a pair has.
+#[derive(Clone)]
 enum Found {
     /// No corners.
     Apart,
@@ -52,6 +53,7 @@ enum Found {
 }
 
 /// Pairs that may touch.
+#[derive(Clone)]
 pub struct PairContacts {
     /// Pairs of bodies, then bodies with pieces of terrain.
     candidates: Vec<Candidate>,

@@ -26,6 +26,7 @@ const LEAST: f64 = 1e-3;
 const STEPS: f64 = 4.0;
 
 /// A body that may touch terrain.
+#[derive(Clone)]
 struct Moving {
     body: usize,
     link: BodyId,
@@ -36,12 +37,14 @@ struct Moving {
 }
 
 /// The placement from which a body may move by `reach`, m, within its box.
+#[derive(Clone)]
 struct Region {
     placement: Placement,
     reach: f64,
 }
 
 /// Terrain, and the bodies that may touch it.
+#[derive(Clone)]
 pub struct TerrainPairs {
     terrain: Arc<Terrain>,
     moving: Vec<Moving>,

@@ -13,7 +13,7 @@ use crate::sim::report::{Metrics, Snapshot};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Contact states, flight and first impact so far.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Milestones {
     states: Option<States>,
     flight: Option<Flight>,
@@ -26,6 +26,7 @@ pub struct Milestones {
 }
 
 /// Start of a flight: the first step end without contact.
+#[derive(Clone)]
 struct Flight {
     time: f64,
     com: Vector3<f64>,

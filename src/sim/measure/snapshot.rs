@@ -197,6 +197,7 @@ pub fn blank_points(tasks: &TaskServer) -> Vec<PointOfInterest> {
 }
 
 /// Snapshots at a constant rate.
+#[derive(Clone)]
 pub struct SnapshotLog {
     /// The last snapshot.
     pub snapshot: Snapshot,

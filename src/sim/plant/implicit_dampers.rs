@@ -15,6 +15,7 @@ use crate::robot::LinkId;
 use nalgebra::Vector3;
 
 /// The dampers of one step.
+#[derive(Clone)]
 pub struct ImplicitDampers {
     /// Link, world point (m) and `dt c` (kg).
     points: Vec<(LinkId, Vector3<f64>, f64)>,

@@ -25,6 +25,7 @@ mod object_forces;
 pub mod objects;
 pub mod pair_vertices;
 mod parameters;
+mod plant_copy;
 pub mod polygon;
 pub mod sliding_directions;
 pub mod sole_impulses;

@@ -6,6 +6,7 @@ use crate::force::{AppliedForces, Force, ForceContext};
 use nalgebra::Vector3;
 
 /// Sums over the force models that act on an object.
+#[derive(Clone)]
 pub struct ObjectForces {
     /// Generalised force, nv.
     pub tau: Vec<f64>,

@@ -37,6 +37,7 @@ pub struct ObjectSetup {
 }
 
 /// An object of a run.
+#[derive(Clone)]
 pub struct Object {
     /// Unique name.
     pub name: String,
@@ -195,7 +196,7 @@ impl Object {
 }
 
 /// The objects of a run.
-#[derive(Default)]
+#[derive(Default, Clone)]
 pub struct Objects {
     /// The objects.
     pub list: Vec<Object>,

@@ -107,7 +107,7 @@ pub struct Plant {
     pub(super) kinematics_state: State,
     /// Whether soles and vertices belong to that state. The next evaluation clears this: a contact
     /// problem may change the vertices.
-    refreshed: bool,
+    pub(super) refreshed: bool,
     /// Dynamics at that state.
     pub ws: Workspace,
     /// W, a0 and sole velocities at that state.

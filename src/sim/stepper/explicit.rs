@@ -47,6 +47,7 @@ const CRAWL: f64 = 1e-6;
 const MOST_CROSSINGS: usize = 8;
 
 /// The explicit integrator of one run.
+#[derive(Clone)]
 pub struct ExplicitStepper {
     pair: MethodPair,
     size: StepSize,

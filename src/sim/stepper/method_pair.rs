@@ -55,6 +55,7 @@ const FIRST_OF_FORCES: f64 = 1e-3;
 const MOST_WAITING: u32 = 64;
 
 /// Both methods with their scratch; one takes the step that begins.
+#[derive(Clone)]
 pub struct MethodPair {
     explicit: RungeKutta,
     stiff: Rosenbrock,
@@ -71,6 +72,7 @@ pub struct MethodPair {
 }
 
 /// The implicit forces.
+#[derive(Clone)]
 struct Implicit {
     forces: ImplicitForces,
     choice: ImplicitSteps,

@@ -25,6 +25,7 @@ pub enum Discontinuity {
 }
 
 /// The stepper of a run.
+#[derive(Clone)]
 pub enum Stepper {
     /// Integrates accelerations.
     Explicit(Box<ExplicitStepper>),

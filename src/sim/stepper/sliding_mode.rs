@@ -67,6 +67,7 @@ const LONGEST_LEAST: f64 = 1e-4;
 const OF_FIXED: f64 = 0.1;
 
 /// Detector and integrator of sliding modes of one run.
+#[derive(Clone)]
 pub struct SlidingMode {
     /// The last events: time and states chosen.
     recent: [(f64, States); EVENTS],

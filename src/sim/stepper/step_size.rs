@@ -3,6 +3,7 @@
 use crate::integrate::StepControl;
 
 /// Step size of an explicit integrator.
+#[derive(Clone)]
 pub enum StepSize {
     /// Chosen by error control.
     Controlled {

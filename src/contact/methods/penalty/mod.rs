@@ -113,6 +113,7 @@ impl PenaltyParameters {
 }
 
 /// Solver of the method.
+#[derive(Clone)]
 pub struct Penalty {
     law: PenaltyParameters,
     /// Which vertices are in the floor, all soles in a row.
@@ -152,6 +153,10 @@ pub fn is_inside(v: &Vertex) -> bool {
 }
 
 impl ContactSolver for Penalty {
+    fn copy(&self) -> Option<Box<dyn ContactSolver>> {
+        Some(Box::new(self.clone()))
+    }
+
     fn scheme(&self) -> Scheme {
         Scheme::Compliant
     }

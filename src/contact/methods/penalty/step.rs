@@ -36,6 +36,7 @@ const SHARPENING: f64 = 0.2;
 const CONVERGED: f64 = 1e-10;
 
 /// Scratch of the solve, allocated once.
+#[derive(Clone)]
 pub struct Step {
     law: PenaltyParameters,
     linear: Linear,
