@@ -6,18 +6,56 @@
 //! time, with force models ([`Force`]), tasks ([`Task`]) and contact methods of your own in their
 //! [`Setup`]. [`run_batch`] runs files in parallel and writes logs, summary and report.
 //!
+//! Blocks on two floors, which friction and a force model of this program slow down:
+//!
 //! ```
+//! use stiction::nalgebra::Vector3;
+//! use stiction::{AppliedForces, Force, ForceContext, LinkId, Scenario, Simulation};
+//!
+//! /// A brake at the origin of the root link: `f = -c v`.
+//! struct Brake {
+//!     c: f64, // N s/m
+//! }
+//!
+//! impl Force for Brake {
+//!     fn evaluate(&mut self, context: &ForceContext, applied: &mut AppliedForces) {
+//!         let state = context.state;
+//!         let force = -self.c * Vector3::from_column_slice(&state.v[..3]);
+//!         applied.wrench(context, LinkId(0), &state.position, &force, &Vector3::zeros());
+//!     }
+//! }
+//!
 //! # fn main() -> Result<(), stiction::Error> {
-//! let scenario = stiction::Scenario::load("scenarios/sliding-block.toml")?;
-//! let mut simulation = scenario.runs()?[0].simulation()?;
-//! simulation.advance_to(0.2, &mut ())?;
-//! assert_eq!(simulation.contact_states().next().unwrap().to_string(), "face-dynamic");
-//! simulation.run_to_end(&mut ())?;
-//! // The block stops after v0^2 / (2 mu g).
-//! assert!((simulation.metrics().final_base_position[0] - 4.0 / 9.81).abs() < 1e-9);
+//! // A scenario as text; its sweep expands to two runs.
+//! let text = r#"
+//!     duration = 0.5                                    # s
+//!     robot = { model = "robots/block/block.toml", base = { linear_velocity = [1, 0, 0] } }
+//!     sweep = { grid = { "floor.friction" = [0.3, 0.6] } }
+//! "#;
+//! for run in Scenario::parse("brake.toml", text)?.runs()? {
+//!     let mut setup = run.setup()?;
+//!     setup.forces.push(Box::new(Brake { c: 2.0 }));
+//!     let mut simulation = Simulation::new(setup)?;
+//!
+//!     // Stepping, then contact states and forces of the block's only sole.
+//!     simulation.advance_to(0.1, &mut ())?;
+//!     assert_eq!(simulation.contact_states().next().unwrap().to_string(), "face-dynamic");
+//!     let normal: f64 = simulation.snapshot().soles[0].forces.iter().map(|force| force.z).sum();
+//!     assert!((normal - 9.81).abs() < 1e-9); // 1 kg; rounding
+//!
+//!     // m v' = -mu m g - c v ends after T = m/c ln(1 + c v / (mu m g)), m v / c - mu g (m/c) T away.
+//!     simulation.run_to_end(&mut ())?;
+//!     let mu_g = 9.81 * run.scenario.floor.friction.static_;
+//!     let distance = 0.5 - 0.5 * mu_g * (0.5 * (1.0 + 2.0 / mu_g).ln());
+//!     let x = simulation.metrics().final_base_position[0];
+//!     assert!((x - distance).abs() < 1e-6); // the integrator's default tolerances
+//! }
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! A task is added by `setup.tasks.add(start, Box::new(task))`; `examples/` has one, and a contact
+//! method outside the crate.
 //!
 //! The other modules of the crate belong to the program and may change at any time.
 
@@ -33,6 +71,8 @@ mod api;
 pub mod assemble;
 #[cfg_attr(doc, doc(hidden))]
 pub mod batch;
+#[cfg_attr(doc, doc(hidden))]
+pub mod cli;
 #[cfg_attr(doc, doc(hidden))]
 pub mod collision;
 #[cfg_attr(doc, doc(hidden))]

@@ -38,7 +38,7 @@ pub use message::{
 pub use options::Options;
 pub use plan::batch_plan::{Job, Plan, Role};
 pub use plan::finding::{Finding, Findings};
-pub use plan::planner::{DEFAULT_TIME_LIMIT, prepare, prepare_file, prepare_within};
+pub use plan::planner::{DEFAULT_TIME_LIMIT, Overrides, prepare, prepare_loaded, prepare_within};
 pub use plan::shard::{Part, Shard, ShardError};
 pub use report::{Finished, Report};
 pub use resume::resumed::{Rerun, Resumed};
@@ -47,5 +47,5 @@ pub use run::outputs::{Body, RunOutputs, Track};
 pub use run::plausibility::marks_implausible;
 pub use run::run_end::RunEnd;
 pub(crate) use run::simulate::{Scene, open_log_of, topics};
-pub use run::simulate::{simulate, simulate_with_clients, simulate_with_command_source};
+pub use run::simulate::{open_log, simulate, simulate_with_clients, simulate_with_command_source};
 pub use runner::{Batch, Interrupter};

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::io::ErrorKind;
 use std::process::{ExitCode, Termination};
 
-use stiction::batch::Report;
+use crate::batch::Report;
 
 /// How the program ends.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

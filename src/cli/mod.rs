@@ -3,18 +3,21 @@
 //!
 //! Imports: `text`, `files`, `web`, `robot`, `collision`, `scenario`, `sim`, `log`, `results`,
 //! `report`, `export`, `remote`, `live`, `batch`, `replay`, `view`, `submit`, `console`,
-//! `schema_page`. Used by: the program.
+//! `schema_page`. Used by: the programs.
 
 mod arguments;
 mod colour;
 mod commands;
 mod exit;
-pub mod signals;
+mod program;
+mod signals;
 mod terminal;
 
+use std::ffi::OsString;
 use std::io::Write;
+use std::path::PathBuf;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use commands::{
     check, compare, completions, console, export, inspect, list, man, merge, motor_server, replay, report, run,
@@ -28,7 +31,7 @@ pub use exit::Exit;
 #[derive(Parser, Debug)]
 #[command(name = "runner", version, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 #[command(arg_required_else_help = true, after_help = exit::help("run"))]
-pub struct Arguments {
+struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
@@ -39,14 +42,32 @@ pub struct Arguments {
     color: colour::Colour,
 }
 
-/// Sets colours from the arguments and the environment.
-pub fn decide_colours() {
-    colour::decide(std::env::args_os().skip(1));
+/// Executes the command line of this process.
+pub fn main() -> Exit {
+    execute(std::env::args_os().collect())
+}
+
+/// Executes a command line for a launcher of another kind, such as a Python interpreter. `launcher` is
+/// the path that starts it again, which jobs of a cluster need.
+pub fn main_of_launcher(launcher: PathBuf, arguments: Vec<OsString>) -> Exit {
+    program::set(launcher.clone());
+    execute(std::iter::once(launcher.into_os_string()).chain(arguments).collect())
+}
+
+/// Executes a command line, which begins with the program's name.
+fn execute(line: Vec<OsString>) -> Exit {
+    colour::decide(line.iter().skip(1).cloned());
+    signals::handle_file_size_limit();
+    let done = match Arguments::parsed(line) {
+        Ok(arguments) => arguments.command.unwrap_or(Command::Run(arguments.run)).execute(),
+        Err(exit) => return exit,
+    };
+    done.unwrap_or_else(|failed| failed)
 }
 
 /// Commands.
 #[derive(Subcommand, Debug)]
-pub enum Command {
+enum Command {
     /// Simulate scenarios, evaluate expectations, write logs and a summary
     #[command(after_help = exit::help("run"))]
     Run(run::Run),
@@ -101,9 +122,9 @@ pub enum Command {
 }
 
 impl Arguments {
-    /// Parses the command line. After help, version or a usage error, returns the exit code.
-    pub fn typed() -> Result<Self, Exit> {
-        Self::try_parse().map_err(|error| {
+    /// Parses a command line. After help, version or a usage error, returns the exit code.
+    fn parsed(line: Vec<OsString>) -> Result<Self, Exit> {
+        Self::try_parse_from(line).map_err(|error| {
             let outcome = error.print().and_then(|()| std::io::stdout().flush());
             match error.use_stderr() {
                 true => Exit::Invalid,
@@ -111,9 +132,28 @@ impl Arguments {
             }
         })
     }
+}
 
-    /// The given command; `run` by default.
-    pub fn into_command(self) -> Command {
-        self.command.unwrap_or(Command::Run(self.run))
+impl Command {
+    fn execute(self) -> Result<Exit, Exit> {
+        match self {
+            Command::Run(run) => run.execute(),
+            Command::Check(check) => check.execute(),
+            Command::List(list) => list.execute(),
+            Command::Inspect(inspect) => inspect.execute(),
+            Command::Report(report) => report.execute(),
+            Command::Merge(merge) => merge.execute(),
+            Command::Submit(submit) => submit.execute(),
+            Command::Compare(compare) => compare.execute(),
+            Command::Export(export) => export.execute(),
+            Command::Salvage(salvage) => salvage.execute(),
+            Command::Replay(replay) => replay.execute(),
+            Command::MotorServer(server) => server.execute(),
+            Command::Console(console) => console.execute(),
+            Command::View(view) => view.execute(),
+            Command::Schema(schema) => schema.execute(),
+            Command::Completions(completions) => completions.execute(Arguments::command()),
+            Command::Man(manual) => manual.execute(Arguments::command()),
+        }
     }
 }

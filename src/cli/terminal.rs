@@ -4,10 +4,10 @@ use std::fmt::Display;
 use std::io::{ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use stiction::batch::{Findings, Severity};
-use stiction::scenario::Diagnostic;
-pub use stiction::text::plural::plural;
-use stiction::text::visible::visible_lines;
+use crate::batch::{Findings, Severity};
+use crate::scenario::Diagnostic;
+pub use crate::text::plural::plural;
+use crate::text::visible::visible_lines;
 
 use crate::cli::{Exit, colour};
 

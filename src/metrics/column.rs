@@ -172,6 +172,17 @@ const EXPECTABLE_COUNT: usize = {
     count
 };
 
+impl Metrics {
+    /// The value of a numeric column of the summary; nothing for other columns and for what this run did
+    /// not measure.
+    pub fn measure(&self, name: &str) -> Measure {
+        match column(name).map(|column| (column.source, column.axis)) {
+            Some((ColumnSource::Metrics(get), axis)) => get(self, axis),
+            _ => Measure::Nothing,
+        }
+    }
+}
+
 /// Names that `[[expect]]` accepts, in the summary's order.
 pub const METRICS: &[&str] = &{
     let mut names = [""; EXPECTABLE_COUNT];

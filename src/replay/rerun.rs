@@ -60,7 +60,7 @@ pub fn prepare(
         findings.extend(diagnostics);
         invalid(findings)
     })?;
-    let (mut plan, _) = batch::prepare_file(&parsed).map_err(invalid)?;
+    let (mut plan, _) = batch::prepare_loaded([(&parsed, &Vec::new())], scenario::DEFAULT_MAX_RUNS).map_err(invalid)?;
     if plan.runs() == 0 {
         return Err(invalid(Findings::default()));
     }

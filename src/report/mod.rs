@@ -25,11 +25,14 @@ mod labels;
 mod palette;
 mod pictures;
 mod residuals;
+mod rewrite;
 mod run_history;
 mod run_plot;
 mod runs;
 mod table;
 mod utc_date;
+
+pub use rewrite::rewrite_results;
 
 use crate::files::names;
 use crate::files::{RecordError, atomic};

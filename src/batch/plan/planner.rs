@@ -64,15 +64,28 @@ pub fn prepare_within(
     planner.plan(files)
 }
 
-/// Like [`prepare`] for one file whose text is in memory, such as that of a record.
+/// Values by dotted path that replace those of a file.
+pub type Overrides = Vec<(String, toml::Value)>;
+
+/// Like [`prepare`] for files that are loaded already, such as texts in memory, each with overrides of
+/// its own.
 ///
 /// # Errors
 /// See [`prepare`].
-pub fn prepare_file(file: &ScenarioFile) -> Result<(Plan, Findings), Findings> {
-    let (max_runs, time_limit) = (scenario::DEFAULT_MAX_RUNS, DEFAULT_TIME_LIMIT);
-    let mut planner = Planner { max_runs, time_limit, ..Planner::default() };
-    planner.add_file(file, &[]);
-    planner.plan(vec![file.path.clone()])
+pub fn prepare_loaded<'a>(
+    files: impl IntoIterator<Item = (&'a ScenarioFile, &'a Overrides)>,
+    max_runs: usize,
+) -> Result<(Plan, Findings), Findings> {
+    let mut planner = Planner { max_runs, time_limit: DEFAULT_TIME_LIMIT, ..Planner::default() };
+    let mut paths = Vec::new();
+    for (file, overrides) in files {
+        planner.add_file(file, overrides);
+        paths.push(file.path.clone());
+        if planner.findings.errors() >= MAX_ERRORS {
+            break;
+        }
+    }
+    planner.plan(paths)
 }
 
 /// Removes duplicates: a file may be named directly and through its folder.

@@ -267,7 +267,11 @@ fn drive_remote(job: &Job, mut setup: Setup, observer: &mut dyn Observer, cancel
     RunEnd { message, metrics: Some(run.metrics().clone()), notes, avoidance, ..RunEnd::of(outcome) }
 }
 
-fn open_log(
+/// Opens the log of a job with this setup: a file, a live stream, or both.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn open_log(
     path: Option<&Path>,
     sink: Option<Box<dyn MessageSink>>,
     job: &Job,

@@ -2,7 +2,7 @@
 
 use std::net::{SocketAddr, ToSocketAddrs};
 
-use stiction::remote::Pace;
+use crate::remote::Pace;
 
 /// Why an argument of a link is invalid.
 #[derive(Debug, thiserror::Error)]

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
+use crate::batch::{LiveClients, Plan};
 use clap::Args;
-use stiction::batch::{LiveClients, Plan};
 
 use crate::cli::arguments::link::{HostAddress, host_address};
 use crate::cli::arguments::numbers::seconds;
@@ -37,18 +37,18 @@ impl Live {
     }
 
     fn listen(&self, address: &HostAddress, pace: Option<f64>) -> Result<Box<dyn LiveClients>, LiveError> {
-        let access = stiction::web::LocalAccess {
+        let access = crate::web::LocalAccess {
             hosts: vec![address.host.clone()],
             origins: self.live_origin.clone(),
-            ..stiction::web::LocalAccess::default()
+            ..crate::web::LocalAccess::default()
         };
         let mut first = true;
-        let on_refusal = move |reason: &stiction::web::AccessError| {
+        let on_refusal = move |reason: &crate::web::AccessError| {
             if std::mem::take(&mut first) {
                 complain(&refusal(reason));
             }
         };
-        let server = stiction::live::LiveServer::start_with(address.at, access, Box::new(on_refusal))?;
+        let server = crate::live::LiveServer::start_with(address.at, access, Box::new(on_refusal))?;
         complain(&format!("live at ws://{}", server.address()));
         Ok(Box::new(Server { server, pace, wait_limit: self.live_wait, notes: std::sync::Mutex::default() }))
     }
@@ -56,12 +56,12 @@ impl Live {
 
 /// Parses an origin.
 fn origin(text: &str) -> Result<String, LiveError> {
-    if stiction::web::is_origin(text) { Ok(text.to_owned()) } else { Err(LiveError::Origin) }
+    if crate::web::is_origin(text) { Ok(text.to_owned()) } else { Err(LiveError::Origin) }
 }
 
 /// Text about a client that is not permitted.
-fn refusal(reason: &stiction::web::AccessError) -> String {
-    use stiction::web::AccessError::{Host, Hosts, Origin, Origins};
+fn refusal(reason: &crate::web::AccessError) -> String {
+    use crate::web::AccessError::{Host, Hosts, Origin, Origins};
     let help = match reason {
         Origin(_) => "if it is the site of your viewer, `--live-origin` permits it",
         Host(_) | Hosts(_) => "connect to localhost, or to the address that `--live` was given",
@@ -86,19 +86,19 @@ pub enum LiveError {
     Origin,
     /// The address cannot be listened on.
     #[error(transparent)]
-    Listen(#[from] stiction::remote::LinkError),
+    Listen(#[from] crate::remote::LinkError),
 }
 
 /// Live clients of one run.
 struct Server {
-    server: stiction::live::LiveServer,
+    server: crate::live::LiveServer,
     pace: Option<f64>,
     wait_limit: Option<Duration>,
     notes: std::sync::Mutex<Vec<String>>,
 }
 
 impl LiveClients for Server {
-    fn sink(&self) -> Box<dyn stiction::log::MessageSink> {
+    fn sink(&self) -> Box<dyn crate::log::MessageSink> {
         self.server.sink()
     }
 

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::batch::{BatchError, DiagnosticMessage, Findings, Junit, Message, Options, Plan};
 use clap::{Args, ValueEnum, ValueHint};
-use stiction::batch::{BatchError, DiagnosticMessage, Findings, Junit, Message, Options, Plan};
 
 use crate::cli::Exit;
 use crate::cli::terminal::print;

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
+use crate::sim::Problems;
 use clap::{Args, ValueEnum};
-use stiction::sim::Problems;
 
 use crate::cli::arguments::numbers;
 

@@ -4,11 +4,11 @@ use std::num::NonZero;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::{Args, ValueHint};
-use stiction::batch::{
+use crate::batch::{
     self, DiagnosticMessage, Filter, Finding, Findings, Message, Part, Plan, Severity, Shard, ShardError,
 };
-use stiction::scenario::{DEFAULT_MAX_RUNS, Diagnostic, OverrideError, parse_override};
+use crate::scenario::{DEFAULT_MAX_RUNS, Diagnostic, OverrideError, parse_override};
+use clap::{Args, ValueHint};
 
 use crate::cli::arguments::message_format::MessageFormat;
 use crate::cli::arguments::numbers;

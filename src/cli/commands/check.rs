@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
+use crate::batch::{CheckFinished, Message, Plan};
+use crate::text::visible::visible_path;
 use clap::Args;
-use stiction::batch::{CheckFinished, Message, Plan};
-use stiction::text::visible::visible_path;
 
 use crate::cli::Exit;
 use crate::cli::arguments::message_format::{Format, MessageFormat};

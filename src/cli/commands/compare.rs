@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use crate::results::compare::{Limits, Results, Tolerance, compare};
 use clap::{Args, ValueEnum};
-use stiction::results::compare::{Limits, Results, Tolerance, compare};
 
 use crate::cli::Exit;
 use crate::cli::arguments::numbers::{self, NumberError};

@@ -1,13 +1,13 @@
 //! `runner export`: writes a log's time series as CSV, Parquet or columns of text.
 
+use crate::files::names;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
-use stiction::files::names;
 
+use crate::export::{self, DataTable, ExportError, HeaderStyle, NumberFormat};
+use crate::export::{Selection, TableFormat, TextFormat, TimeUnit};
+use crate::log::{LogError, Trajectory};
 use clap::{Args, ValueEnum};
-use stiction::export::{self, DataTable, ExportError, HeaderStyle, NumberFormat};
-use stiction::export::{Selection, TableFormat, TextFormat, TimeUnit};
-use stiction::log::{LogError, Trajectory};
 
 use crate::cli::Exit;
 use crate::cli::arguments::numbers;

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
+use crate::collision::{self, CollisionModel};
+use crate::robot::{self, InertiaPolicy};
+use crate::text::visible::visible_lines;
 use clap::Args;
-use stiction::collision::{self, CollisionModel};
-use stiction::robot::{self, InertiaPolicy};
-use stiction::text::visible::visible_lines;
 
 use crate::cli::{Exit, colour, terminal};
 

@@ -1,11 +1,11 @@
 //! `runner list`: lists the runs that scenarios expand to.
 
+use crate::batch::Plan;
+use crate::results::ParamValue;
+use crate::text::text_table::limited;
+use crate::text::visible::visible;
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
-use stiction::batch::Plan;
-use stiction::results::ParamValue;
-use stiction::text::text_table::limited;
-use stiction::text::visible::visible;
 
 use crate::cli::Exit;
 use crate::cli::arguments::message_format::MessageFormat;

@@ -3,13 +3,13 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use crate::batch::marks_implausible;
+use crate::files::{make_durable, names};
+use crate::report::write_report_of_found;
+use crate::results::merge::{MergeError, Merged, Shards};
+use crate::results::{endings, overview};
+use crate::text::visible::{visible_lines, visible_path};
 use clap::Args;
-use stiction::batch::marks_implausible;
-use stiction::files::{make_durable, names};
-use stiction::report::write_report_of_found;
-use stiction::results::merge::{MergeError, Merged, Shards};
-use stiction::results::{endings, overview};
-use stiction::text::visible::{visible_lines, visible_path};
 
 use crate::cli::Exit;
 use crate::cli::exit::Ending;

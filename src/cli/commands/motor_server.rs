@@ -6,11 +6,11 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
+use crate::batch::{Batch, NoListener, Options, Progress, simulate_with_command_source};
+use crate::remote::{Address, Impairment, KeyFile, MotorServer, Pace};
+use crate::sim::CommandSource;
+use crate::sim::{Problems, RunError};
 use clap::{Args, ValueHint};
-use stiction::batch::{Batch, NoListener, Options, Progress, simulate_with_command_source};
-use stiction::remote::{Address, Impairment, KeyFile, MotorServer, Pace};
-use stiction::sim::CommandSource;
-use stiction::sim::{Problems, RunError};
 
 use crate::cli::Exit;
 use crate::cli::arguments::link::{address, pace};

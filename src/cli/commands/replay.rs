@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use crate::batch::{BatchError, Interrupter, Severity};
+use crate::replay::{self, InputChange, RecordedRun, ReplayError};
+use crate::text::visible::{visible, visible_lines};
 use clap::Args;
-use stiction::batch::{BatchError, Interrupter, Severity};
-use stiction::replay::{self, InputChange, RecordedRun, ReplayError};
-use stiction::text::visible::{visible, visible_lines};
 
 use crate::cli::Exit;
 use crate::cli::arguments::numbers;

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::files::{OutputKind, RecordError, check_replaceable, names};
+use crate::report::{Pictured, ReportRun, rewrite_results, write_report_of};
+use crate::results::compare::read_table;
+use crate::results::pareto::{Work, pareto_table};
+use crate::results::{Listing, SummaryRow, list_records};
+use crate::text::visible::{visible_lines, visible_path};
 use clap::Args;
-use stiction::files::{OutputKind, RecordError, check_replaceable, names, remove_partial};
-use stiction::report::{Pictured, ReportRun, found_runs, write_report_of};
-use stiction::results::compare::read_table;
-use stiction::results::pareto::{Work, pareto_table};
-use stiction::results::{FoundRun, Listing, SampledRuns, SummaryRow, list_records, write_summary_of};
-use stiction::text::visible::{visible_lines, visible_path};
 
 use crate::cli::Exit;
 use crate::cli::terminal::{complain, complain_of, plural, print, width};
@@ -54,14 +54,9 @@ impl Report {
         let read = listing.runs() + listing.references.len();
         complain(&format!("{} read, {} passed over", plural(read, "record"), listing.skipped.len()));
         let (selected, pictured) = self.pictured(&listing)?;
-        let rows = listing.rows(&selected);
-        remove_partial(&self.results);
-        let files = write_summary_of(&self.results, &rows).map_err(unwritten)?;
-        let SampledRuns { statistics, runs } = rows.into_sampled();
-        let (rows, reference_rows) = (summary_rows(&runs), summary_rows(&listing.references));
-        let (shown, references) = (found_runs(&rows, &runs), found_runs(&reference_rows, &listing.references));
         let page = self.output.unwrap_or_else(|| self.results.join(names::REPORT));
-        write_report_of(&page, &self.results, (&shown, &statistics), &references, &pictured).map_err(unwritten)?;
+        let (files, rows) =
+            rewrite_results(&self.results, &listing, &selected, (&page, &pictured)).map_err(unwritten)?;
         print_written(&rows, &[&files.csv, &files.parquet, &page])
     }
 
@@ -128,8 +123,4 @@ fn print_written(rows: &[SummaryRow], paths: &[&PathBuf]) -> Result<Exit, Exit> 
     let written: Vec<String> = paths.iter().map(|path| format!("  {}\n", visible_path(path))).collect();
     print(&format!("{}{air}written:\n{}", visible_lines(&accuracy), written.concat()))?;
     Ok(Exit::Success)
-}
-
-fn summary_rows(runs: &[FoundRun]) -> Vec<SummaryRow> {
-    runs.iter().map(|run| run.record.summary_row()).collect()
 }

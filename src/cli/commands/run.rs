@@ -6,16 +6,16 @@ use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use clap::{Args, ValueEnum, ValueHint};
-use stiction::batch::{
+use crate::batch::{
     Batch, BatchFinished, BatchStarted, Finished, Junit, Listener, Message, MessageWriter, Options, Progress, Report,
     Resumed, is_slow, marks_implausible, simulate_with_clients,
 };
-use stiction::files::make_durable;
-use stiction::remote::Pace;
-use stiction::results::pareto::{Work, pareto_table};
-use stiction::results::{ListedVerdicts, endings, overview, table, verdicts};
-use stiction::text::visible::{visible, visible_path};
+use crate::files::make_durable;
+use crate::remote::Pace;
+use crate::results::pareto::{Work, pareto_table};
+use crate::results::{ListedVerdicts, endings, overview, table, verdicts};
+use crate::text::visible::{visible, visible_path};
+use clap::{Args, ValueEnum, ValueHint};
 
 use crate::cli::arguments::link::pace;
 use crate::cli::arguments::live::{Live, print_notes};

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::log::{SalvageError, Salvaged, salvage};
+use crate::results::unfinished_logs;
+use crate::text::visible::visible_path;
 use clap::{Args, ValueHint};
-use stiction::log::{SalvageError, Salvaged, salvage};
-use stiction::results::unfinished_logs;
-use stiction::text::visible::visible_path;
 
 use crate::cli::Exit;
 use crate::cli::terminal::{complain, complain_of, plural, print};

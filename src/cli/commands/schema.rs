@@ -1,8 +1,8 @@
 //! `runner schema`: prints schemas of the formats for editors and other programs.
 
+use crate::schema_page::{Notation, page};
+use crate::{batch, robot, scenario};
 use clap::{Args, ValueEnum};
-use stiction::schema_page::{Notation, page};
-use stiction::{batch, robot, scenario};
 
 use crate::cli::{Exit, terminal};
 

@@ -3,9 +3,9 @@
 use std::num::NonZero;
 use std::path::PathBuf;
 
+use crate::submit::slurm::{Options, Submission, Submitted};
+use crate::submit::{SubmitError, Sweep};
 use clap::{Args, ValueEnum, ValueHint};
-use stiction::submit::slurm::{Options, Submission, Submitted};
-use stiction::submit::{SubmitError, Sweep};
 
 use crate::cli::arguments::message_format::MessageFormat;
 use crate::cli::arguments::numbers;
@@ -13,7 +13,7 @@ use crate::cli::arguments::run_options::Each;
 use crate::cli::arguments::scenario_files;
 use crate::cli::arguments::selection::Selection;
 use crate::cli::terminal::{complain, complain_of, plural, print};
-use crate::cli::{Exit, exit};
+use crate::cli::{Exit, exit, program};
 
 /// Text below the help.
 pub fn help() -> String {
@@ -129,8 +129,7 @@ impl Submit {
 
 /// Path of this program, which the jobs run too.
 fn program() -> Result<PathBuf, Exit> {
-    let found = std::env::current_exe().and_then(|path| path.metadata().map(|_| path));
-    found.map_err(|error| {
+    program::path().map_err(|error| {
         complain_of(format!("cannot find this program, which the jobs must run: {error}"));
         Exit::Invalid
     })

@@ -4,8 +4,8 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use crate::view::{DrawnRun, ViewServer, ViewableRuns, file_page, pack};
 use clap::Args;
-use stiction::view::{DrawnRun, ViewServer, ViewableRuns, file_page, pack};
 
 use crate::cli::Exit;
 use crate::cli::arguments::numbers;
@@ -60,7 +60,7 @@ impl View {
             return Err(refuse(format!("{} is the log itself: choose another file to write", file.display())));
         }
         let page = file_page(&run.title(), &pack(&DrawnRun::read(&run.log).map_err(refuse)?, self.rate));
-        stiction::view::write_page(file, &page).map_err(|error| {
+        crate::view::write_page(file, &page).map_err(|error| {
             refuse(&error);
             Exit::of_writing(&error)
         })?;

@@ -4,8 +4,8 @@ use std::io::{self, BufRead};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::time::Duration;
 
-use stiction::console::{ConsoleError, Session};
-use stiction::text::visible::visible_lines;
+use crate::console::{ConsoleError, Session};
+use crate::text::visible::visible_lines;
 
 use super::{Interruption, exit_of};
 use crate::cli::terminal::{complain, complain_drawn, complain_of, print};

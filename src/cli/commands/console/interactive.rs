@@ -5,12 +5,12 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use crate::console::{Names, Session, complete};
+use crate::text::visible::visible_lines;
 use rustyline::completion::{Completer, FilenameCompleter, Pair};
 use rustyline::error::ReadlineError;
 use rustyline::history::FileHistory;
 use rustyline::{Config, Context, Editor, ExternalPrinter, Helper};
-use stiction::console::{Names, Session, complete};
-use stiction::text::visible::visible_lines;
 
 use super::{Interruption, exit_of, worse};
 use crate::cli::terminal::{complain, complain_of};

@@ -9,10 +9,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::console::{ConsoleError, Session};
+use crate::files::{OutputKind, check_replaceable};
+use crate::remote::Pace;
 use clap::{Args, ValueHint};
-use stiction::console::{ConsoleError, Session};
-use stiction::files::{OutputKind, check_replaceable};
-use stiction::remote::Pace;
 
 use crate::cli::arguments::link;
 use crate::cli::arguments::live::Live;
@@ -140,7 +140,7 @@ fn exit_of(error: &ConsoleError) -> Exit {
         ConsoleError::Expectation(_) => Exit::Failed,
         ConsoleError::Terminated { .. } => Exit::Unfinished,
         ConsoleError::Record(cause) => Exit::of_writing(cause),
-        ConsoleError::Export(stiction::export::ExportError::Record(cause)) => Exit::of_writing(cause),
+        ConsoleError::Export(crate::export::ExportError::Record(cause)) => Exit::of_writing(cause),
         ConsoleError::Io { source, .. } => Exit::of_writing(source),
         ConsoleError::Usage(_) | ConsoleError::Scenario(_) | ConsoleError::Log(_) | ConsoleError::Export(_) => {
             Exit::Invalid
