@@ -33,7 +33,7 @@ impl Plant {
             states: self.states.clone(),
             solution: self.solution.clone(),
             has_point_forces: self.has_point_forces,
-            step_loads: self.step_loads.clone(),
+            step_loads: self.step_loads,
             method: self.method.copy().unwrap_or_else(|| method.solver(&self.problem)),
             directions: self.directions.clone(),
             fast_slips: self.fast_slips.clone(),
@@ -57,7 +57,7 @@ impl Plant {
             scratch: self.scratch.clone(),
             jump: self.jump.clone(),
             evaluations: self.evaluations,
-            failure: self.failure.clone(),
+            failure: self.failure,
         }
     }
 }
