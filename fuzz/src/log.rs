@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 
 use stiction::console::Session;
+use stiction::export::bag::{self, BagLog};
 use stiction::export::{self, Selection, TableFormat, TextFormat};
 use stiction::log::{Trajectory, salvage};
 use stiction::view::{DrawnRun, pack};
@@ -38,6 +39,9 @@ pub fn take(data: &[u8]) {
     match Trajectory::from_bytes(&path, data) {
         Ok(log) => export_all(&log),
         Err(error) => drop(error.to_string()),
+    }
+    if let Ok(log) = BagLog::from_bytes(&path, data) {
+        let _ = bag::to_bytes(&log, &Selection::default()).map_err(|error| error.to_string());
     }
     if let Ok(drawn) = DrawnRun::read(&path) {
         let _ = (drawn.world(), pack(&drawn, None), pack(&drawn, Some(100.0)));

@@ -92,7 +92,7 @@ enum Command {
     /// Report differences between two results
     #[command(after_help = exit::help("compare"))]
     Compare(compare::Compare),
-    /// Write a log's time series as CSV, Parquet or columns of text
+    /// Write a log as CSV, Parquet or columns of text, or as a ROS 2 bag
     #[command(after_help = exit::help("export"))]
     Export(export::Export),
     /// Recover the readable part of damaged or unfinished logs

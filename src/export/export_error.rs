@@ -2,6 +2,7 @@
 
 use crate::export::selection::MAX_ROWS;
 use crate::files::RecordError;
+use std::path::PathBuf;
 
 /// Why a log is not exported.
 #[derive(Debug, thiserror::Error)]
@@ -17,6 +18,9 @@ pub enum ExportError {
         /// A similar name, or where to find the names.
         help: String,
     },
+    /// The log has nothing for a bag.
+    #[error("the log has no topics for a bag: its scenario logged none of `state`, `contact` and `scene`")]
+    NoTopics,
     /// The selection contains no instant.
     #[error("nothing to export from {from} s to {to} s: the log reaches from {first} s to {last} s")]
     NoInstants {
@@ -40,6 +44,22 @@ pub enum ExportError {
     /// The table could not be encoded.
     #[error("cannot write the table: {0}")]
     Encode(#[from] polars::error::PolarsError),
+    /// A message of a bag could not be encoded.
+    #[error("cannot encode a message for {topic}: {reason}")]
+    Message {
+        /// Topic of the message.
+        topic: String,
+        /// The cause.
+        reason: String,
+    },
+    /// The file of a bag could not be written.
+    #[error("{path}: cannot write the bag: {source}")]
+    Bag {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        source: mcap::McapError,
+    },
     /// The file could not be written.
     #[error(transparent)]
     Record(#[from] RecordError),

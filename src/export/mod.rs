@@ -1,12 +1,14 @@
 //! Exports time series and events of a log as tables: CSV, Parquet, and text for gnuplot and
-//! similar programs.
+//! similar programs. Exports a whole log as a ROS 2 bag.
 //!
 //! ```text
 //! Trajectory -> named columns with units -> chosen columns -> chosen instants -> DataTable -> file
+//! BagLog -> chosen instants -> ROS 2 messages -> folder
 //! ```
 //!
 //! Imports: `text`, `files`, `log`. Used by: `replay`, `console`, `cli`.
 
+pub mod bag;
 mod column_choice;
 mod data_table;
 mod export_error;

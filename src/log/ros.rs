@@ -13,7 +13,7 @@ pub struct Time {
 }
 
 impl Time {
-    pub(super) fn from_nanoseconds(ns: u64) -> Self {
+    pub(crate) fn from_nanoseconds(ns: u64) -> Self {
         Self { sec: i32::try_from(ns / 1_000_000_000).unwrap_or(i32::MAX), nanosec: (ns % 1_000_000_000) as u32 }
     }
 }
@@ -23,7 +23,7 @@ impl Time {
 pub struct Header {
     /// Simulated time.
     pub stamp: Time,
-    /// Empty: joint positions belong to no frame.
+    /// The frame; empty for joint states, which belong to none.
     pub frame_id: String,
 }
 
@@ -50,7 +50,7 @@ pub struct Text {
 }
 
 /// Definition of `sensor_msgs/msg/JointState` and its dependencies, schema encoding `ros2msg`.
-pub(super) const JOINT_STATE: &str = "\
+pub(crate) const JOINT_STATE: &str = "\
 std_msgs/Header header
 string[] name
 float64[] position
@@ -67,4 +67,4 @@ uint32 nanosec
 ";
 
 /// Definition of `std_msgs/msg/String`.
-pub(super) const STRING: &str = "string data\n";
+pub(crate) const STRING: &str = "string data\n";

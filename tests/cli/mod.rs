@@ -1,5 +1,6 @@
 //! Tests of the command line: every test runs the real binary on real files.
 
+mod bag;
 mod bounds;
 mod broken;
 mod changes;

@@ -1,17 +1,36 @@
-//! `runner export`: writes a log's time series as CSV, Parquet or columns of text.
+//! `runner export`: writes a log's time series as CSV, Parquet or columns of text, or the log as a
+//! ROS 2 bag.
 
 use crate::files::names;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
+use crate::export::bag::{self, BagLog};
 use crate::export::{self, DataTable, ExportError, HeaderStyle, NumberFormat};
 use crate::export::{Selection, TableFormat, TextFormat, TimeUnit};
-use crate::log::{LogError, Trajectory};
+use crate::log::{LogError, Trajectory, read_bytes};
+use crate::text::visible::visible_path;
 use clap::{Args, ValueEnum};
 
 use crate::cli::Exit;
 use crate::cli::arguments::numbers;
-use crate::cli::terminal::{complain, complain_of, print};
+use crate::cli::terminal::{complain, complain_of, plural, print};
+
+/// Options that only tables have.
+const TABLE_OPTIONS: [&str; 12] = [
+    "format",
+    "rate",
+    "columns",
+    "events",
+    "list_columns",
+    "separator",
+    "numbers",
+    "header",
+    "comment",
+    "missing",
+    "time_unit",
+    "blocks",
+];
 
 /// Arguments of `export`.
 #[derive(Args, Debug)]
@@ -19,7 +38,7 @@ pub struct Export {
     /// A log, or the folder of a run
     #[arg(value_name = "LOG|FOLDER")]
     log: PathBuf,
-    /// File to write [default: standard output]
+    /// File to write, or folder of a bag [default: standard output; the bag SCENARIO_KEY]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Format [default: by the extension of the file]
@@ -40,6 +59,9 @@ pub struct Export {
     /// Export events (touchdown, slip, impact, ...) instead of time series
     #[arg(long, conflicts_with_all = ["columns", "rate", "list_columns"])]
     events: bool,
+    /// Write a ROS 2 bag (MCAP) instead, a folder with all topics
+    #[arg(long, conflicts_with_all = TABLE_OPTIONS)]
+    bag: bool,
     /// Print the names of the columns only
     #[arg(long, conflicts_with = "output")]
     list_columns: bool,
@@ -105,25 +127,20 @@ enum Unit {
 impl Export {
     /// Reads the log and writes the selected data.
     pub fn execute(self) -> Result<Exit, Exit> {
+        if self.bag {
+            return self.write_bag();
+        }
         let format = self.format()?;
-        let log = self.read()?;
+        let log = self.read(Trajectory::from_bytes)?;
         if self.list_columns {
             print(&export::column_names(&log).iter().map(|name| format!("{name}\n")).collect::<String>())?;
             return Ok(Exit::Success);
         }
         let table = self.table(&log).map_err(refuse)?;
-        if !log.complete {
-            complain("warning: the run did not end by itself; its log ends early");
-        }
+        warn_if_incomplete(&log);
         match &self.output {
             Some(path) => {
-                export::write(&table, &format, path).map_err(|error| match &error {
-                    ExportError::Record(cause) => {
-                        refuse(&error);
-                        Exit::of_writing(cause)
-                    }
-                    _ => refuse(error),
-                })?;
+                export::write(&table, &format, path).map_err(not_written)?;
                 complain(&format!("{}: {} columns, {} rows", path.display(), table.columns().len(), table.rows()));
             }
             None => {
@@ -134,19 +151,36 @@ impl Export {
         Ok(Exit::Success)
     }
 
+    fn write_bag(&self) -> Result<Exit, Exit> {
+        let log = self.read(BagLog::from_bytes)?;
+        let Some(folder) = self.output.clone().or_else(|| log.default_folder()) else {
+            return Err(refuse("the log's scenario and key are no name of a folder: name one with `--output`"));
+        };
+        let written = bag::write(&log, &self.selection(), &folder).map_err(not_written)?;
+        warn_if_incomplete(&log.trajectory);
+        let (topics, messages) = (plural(written.topics, "topic"), written.messages);
+        complain(&format!("{}: {topics}, {messages} messages", visible_path(&folder)));
+        Ok(Exit::Success)
+    }
+
+    fn selection(&self) -> Selection {
+        Selection { columns: self.columns.clone(), rate: self.rate, from: self.from, to: self.to }
+    }
+
     fn table(&self, log: &Trajectory) -> Result<DataTable, ExportError> {
-        let selection = Selection { columns: self.columns.clone(), rate: self.rate, from: self.from, to: self.to };
+        let selection = self.selection();
         if self.events { Ok(export::events(log, &selection)) } else { export::series(log, &selection) }
     }
 
-    fn read(&self) -> Result<Trajectory, Exit> {
+    /// Reads the log by `parse`, which receives its path and bytes.
+    fn read<T>(&self, parse: impl FnOnce(&Path, &[u8]) -> Result<T, LogError>) -> Result<T, Exit> {
         let path = if self.log.is_dir() { self.log.join(names::LOG) } else { self.log.clone() };
         if let Some(output) = &self.output
             && same_file(output, &path)
         {
             return Err(refuse(format!("{} is the log itself: choose another file to write", output.display())));
         }
-        Trajectory::read(&path).map_err(|error| match &error {
+        read_bytes(&path).and_then(|bytes| parse(&path, &bytes)).map_err(|error| match &error {
             LogError::Io { .. } if self.log.is_dir() && !path.exists() => {
                 refuse(format!("{}: no run's folder with a log: there is no log.mcap in it", self.log.display()))
             }
@@ -232,6 +266,22 @@ fn by_ending(path: &Path) -> Result<Kind, Exit> {
 /// Do both paths name the same existing file?
 fn same_file(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+fn warn_if_incomplete(log: &Trajectory) {
+    if !log.complete {
+        complain("warning: the run did not end by itself; its log ends early");
+    }
+}
+
+/// The exit code of an export that could not be written, or that the log does not allow.
+fn not_written(error: ExportError) -> Exit {
+    refuse(&error);
+    match &error {
+        ExportError::Record(cause) => Exit::of_writing(cause),
+        ExportError::Bag { source, .. } => Exit::of_writing(source),
+        _ => Exit::Invalid,
+    }
 }
 
 fn refuse(why: impl Display) -> Exit {

@@ -53,7 +53,10 @@ impl<'a> LogFile<'a> {
         };
         let entry = |key: &'static str| run.remove(key).ok_or_else(|| self.damage(LogDamage::RunEntry(key)));
         let [scenario, key, method, program, robot] = RUN_ENTRIES.map(entry);
-        Ok(RunInfo { scenario: scenario?, key: key?, method: method?, program: program?, robot: robot? })
+        let (scenario, key, method, program, robot) = (scenario?, key?, method?, program?, robot?);
+        // Logs of earlier versions lack it.
+        let world_frame = run.remove("world_frame").unwrap_or_else(|| "world".to_owned());
+        Ok(RunInfo { scenario, key, method, program, robot, world_frame })
     }
 
     /// True if the run ended by itself and the log was closed then.

@@ -7,6 +7,7 @@
 mod estimate_series;
 mod log_error;
 mod log_file;
+mod marker_series;
 mod message_values;
 mod object_series;
 mod scene;
@@ -18,6 +19,7 @@ pub use estimate_series::{EstimateSeries, JointReadings, SoleReadings};
 pub use log_error::{LogDamage, LogError};
 pub use log_file::read_bytes;
 pub(super) use log_file::{LogFile, MAX_GROWTH, MAX_RECORD, RUN_ENTRIES};
+pub use marker_series::MarkerSeries;
 pub use object_series::ObjectSeries;
 pub use scene::{Frame, Scene};
 pub use self_collision_series::SelfCollisionSeries;

@@ -51,6 +51,8 @@ pub struct RunInfo {
     pub program: String,
     /// Name of the robot.
     pub robot: String,
+    /// Name of the frame in which the robot moves.
+    pub world_frame: String,
 }
 
 /// A text in a log.

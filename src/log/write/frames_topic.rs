@@ -9,7 +9,7 @@ use crate::log::write::log_output::{Channel, LogOutput};
 use crate::log::write::proto_writer::ProtoWriter;
 use crate::log::write::topic::Topic;
 use crate::math;
-use crate::robot::{JointKind, Link, Model};
+use crate::robot::{JointKind, Model};
 use crate::sim::Snapshot;
 use foxglove::messages::FrameTransforms;
 use nalgebra::{Isometry3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
@@ -21,8 +21,13 @@ pub(super) fn world_frame(model: &Model) -> &'static str {
 }
 
 /// Name of the frame of an object's link: no link of the robot has it.
-pub(super) fn object_frame(link: &Link) -> String {
-    format!("object/{}", link.name)
+pub(crate) fn object_frame(link: &str) -> String {
+    format!("object/{link}")
+}
+
+/// Name of the frame of a sole.
+pub(crate) fn sole_frame(sole: &str) -> String {
+    format!("sole/{sole}")
 }
 
 /// Components of a unit vector or quaternion below this are rounding, logged as 0: they would change
@@ -106,7 +111,7 @@ impl FramesTopic {
             channel: output.foxglove::<FrameTransforms>("/tf")?,
             moving: (0..model.links.len()).map(|i| MovingFrame::new(model, i)).collect(),
             fixed: fixed(model, header.urdf.text),
-            objects: objects.map(|link| encoded_names(world_frame(model), &object_frame(link))).collect(),
+            objects: objects.map(|link| encoded_names(world_frame(model), &object_frame(&link.name))).collect(),
         })
     }
 }
@@ -147,14 +152,14 @@ fn fixed(model: &Model, urdf: &str) -> Vec<Vec<u8>> {
         let mean = sole.centroid();
         let origin = link.urdf_frame.inverse_transform_point(&mean.into());
         let pose = Isometry3::from_parts(origin.into(), Default::default());
-        found.push(transform(&link.name, &format!("sole/{}", sole.name), &pose));
+        found.push(transform(&link.name, &sole_frame(&sole.name), &pose));
     }
     found
 }
 
 /// Parents of the links that fixed joints attach. The model merges chains of them into one link;
 /// the URDF has the chain.
-fn welds(urdf: &str) -> HashMap<String, String> {
+pub(crate) fn welds(urdf: &str) -> HashMap<String, String> {
     let Ok(document) = roxmltree::Document::parse(urdf) else { return HashMap::new() };
     let joints = document.root_element().children().filter(|n| n.has_tag_name("joint"));
     let link = |joint: roxmltree::Node, end: &str| {

@@ -56,7 +56,7 @@ fn is_empty(e: &SceneEntity) -> bool {
 
 /// The shapes of an object's link.
 fn object_entity(link: &Link) -> SceneEntity {
-    let frame = object_frame(link);
+    let frame = object_frame(&link.name);
     SceneEntity { frame_id: frame.clone(), id: frame, ..link_entity(link) }
 }
 
