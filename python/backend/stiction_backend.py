@@ -13,6 +13,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+# Hooks of maturin that need no copies.
+__all__ = ["get_requires_for_build_editable", "get_requires_for_build_sdist", "get_requires_for_build_wheel"]
+
 PYTHON = Path(__file__).resolve().parents[1]
 ROOT = PYTHON.parent
 DATA = {ROOT / name: PYTHON / "stiction" / name for name in ("robots", "scenarios")}
@@ -51,9 +54,7 @@ if __name__ == "__main__":
     stage(sys.argv[1])
 else:
     import maturin
-    from maturin import get_requires_for_build_editable as get_requires_for_build_editable
-    from maturin import get_requires_for_build_sdist as get_requires_for_build_sdist
-    from maturin import get_requires_for_build_wheel as get_requires_for_build_wheel
+    from maturin import get_requires_for_build_editable, get_requires_for_build_sdist, get_requires_for_build_wheel
 
     def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):  # type: ignore[no-untyped-def]
         with staged("wheel"):

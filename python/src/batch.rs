@@ -2,15 +2,18 @@
 
 use std::num::NonZero;
 use std::sync::{MutexGuard, PoisonError};
+use std::time::Instant;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 use rayon::prelude::*;
+use stiction::RunError;
 
 use crate::arrays::{Shared, of_kind};
+use crate::callables::check_finite;
 use crate::errors::refused;
-use crate::simulation::{Simulation, Stepped};
+use crate::simulation::{PATIENCE, Simulation, Stepped};
 use crate::state::base_velocity;
 
 /// m simulations of robots with n joints, stepped in parallel with the interpreter's lock released. The
@@ -24,6 +27,8 @@ pub struct Batch {
     motion: Vec<(Quantity, Shared)>,
     commands: [Shared; 3],
     has_ended: Py<PyAny>,
+    /// The process that has the threads.
+    process: u32,
 }
 
 /// A quantity of motion with a row per simulation.
@@ -103,6 +108,7 @@ impl Batch {
             motion: motion.collect::<PyResult<_>>()?,
             commands: [commands()?, commands()?, commands()?],
             has_ended: of_kind(py, vec![false; m], "bool")?,
+            process: std::process::id(),
         };
         batch.refresh(py)?;
         batch.read_commands(py)?;
@@ -120,9 +126,13 @@ impl Batch {
         let mut guards = self.lock_all(py)?;
         let n = guards.first().map_or(0, |guard| guard.run.model().nj());
         let mut given = [const { Vec::new() }; 3];
-        for (array, values) in self.commands.iter().zip(&mut given) {
+        if std::process::id() != self.process {
+            return Err(refused(py, "the batch was made before this process was forked: make it again"));
+        }
+        for ((array, values), name) in self.commands.iter().zip(&mut given).zip(["position", "velocity", "effort"]) {
             values.resize(guards.len() * n, 0.0);
             array.read(py, values)?;
+            values.chunks(n.max(1)).enumerate().try_for_each(|(i, row)| check_finite(&format!("{name}[{i}]"), row))?;
         }
         let [position, velocity, effort] = given;
         for (i, guard) in guards.iter().enumerate() {
@@ -133,23 +143,44 @@ impl Batch {
             set(&mut commanded.effort, &effort[row]);
         }
         let mut all: Vec<&mut Stepped> = guards.iter_mut().map(|guard| &mut **guard).collect();
-        let errors: Vec<_> = py.detach(|| {
-            self.pool.install(|| {
-                let step = |stepped: &mut &mut Stepped| match stepped.end {
-                    Some(_) => None,
-                    None => stepped.step(ticks).err().map(|error| (error, stepped.run.time())),
+        let mut errors: Vec<Option<(RunError, f64)>> = all.iter().map(|_| None).collect();
+        let interruption = py.detach(|| {
+            let (mut left, mut part) = (ticks, 1);
+            loop {
+                let (now, start) = (left.min(part), Instant::now());
+                let step = |(stepped, error): (&mut &mut Stepped, &mut Option<(RunError, f64)>)| {
+                    if stepped.end.is_none()
+                        && let Err(found) = stepped.step(now, || false)
+                    {
+                        *error = Some((found, stepped.run.time()));
+                    }
                 };
-                all.par_iter_mut().map(step).collect()
-            })
+                self.pool.install(|| all.par_iter_mut().zip(&mut errors).for_each(step));
+                left -= now;
+                if left == 0 {
+                    return None;
+                }
+                // Parts that take about the time between two checks for signals.
+                let share = PATIENCE.as_secs_f64() / start.elapsed().as_secs_f64().max(1e-6);
+                part = (part as f64 * share.clamp(0.1, 10.0)).max(1.0) as u64;
+                if let Err(error) = Python::attach(|py| py.check_signals()) {
+                    return Some(error);
+                }
+            }
         });
         drop(all);
         drop(guards);
         self.refresh(py)?;
-        let failed = errors.into_iter().enumerate().find_map(|(i, error)| error.map(|error| (i, error)));
-        match failed {
-            Some((i, (error, time))) => Err(self.simulations[i].get().exception(py, &error, time)),
-            None => Ok(()),
+        // Of several exceptions one is raised; none is left for a later step.
+        let mut first = None;
+        for (simulation, error) in self.simulations.iter().zip(errors) {
+            if let Some((error, time)) = error {
+                let exception = simulation.get().exception(py, &error, time);
+                first.get_or_insert(exception);
+            }
+            simulation.get().take_raised();
         }
+        interruption.or(first).map_or(Ok(()), Err)
     }
 
     /// Reads the motion of all simulations again, for example after one was restored.
@@ -243,15 +274,18 @@ impl Batch {
         found.map_or_else(|| py.None(), |(_, shared)| shared.array(py))
     }
 
-    /// Writes the commands that hold now into the arrays.
+    /// Writes the commands of the caller so far, or those that hold, into the arrays.
     fn read_commands(&self, py: Python<'_>) -> PyResult<()> {
-        let guards = self.lock_all(py)?;
-        let commands = guards.iter().map(|guard| &guard.run.tasks().command);
-        let parts: [Vec<f64>; 3] = [
-            commands.clone().flat_map(|command| command.position.iter().copied()).collect(),
-            commands.clone().flat_map(|command| command.velocity.iter().copied()).collect(),
-            commands.flat_map(|command| command.effort.iter().copied()).collect(),
-        ];
+        let mut parts = [const { Vec::new() }; 3];
+        for guard in self.lock_all(py)? {
+            let (held, given) = (&guard.run.tasks().command, guard.commanded.lock());
+            let given = given.unwrap_or_else(PoisonError::into_inner);
+            let all =
+                [(&given.position, &held.position), (&given.velocity, &held.velocity), (&given.effort, &held.effort)];
+            for (part, (given, held)) in parts.iter_mut().zip(all) {
+                part.extend_from_slice(given.as_ref().unwrap_or(held));
+            }
+        }
         self.commands.iter().zip(&parts).try_for_each(|(array, values)| array.write(py, values))
     }
 }

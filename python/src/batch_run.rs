@@ -32,6 +32,7 @@ pub fn run<'py>(
     options: &Bound<'py, PyDict>,
     on_message: Option<Py<PyAny>>,
 ) -> PyResult<()> {
+    errors::check_fork(py)?;
     let filtered = filter.is_some();
     let selected = Selected::new(&files, &overrides, filter, option(options, "max_runs")?)?;
     let options = batch_options(options)?;

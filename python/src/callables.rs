@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use pyo3::exceptions::{PyAttributeError, PyValueError};
+use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString};
 use stiction::dynamics::jacobian::link_twist;
@@ -34,6 +35,53 @@ impl Raised {
     }
 }
 
+/// A Python function that a task or force calls. The garbage collector clears it where only cycles refer to
+/// its simulation.
+#[derive(Clone)]
+pub struct Callable(Arc<Mutex<Option<Py<PyAny>>>>);
+
+impl Callable {
+    /// Wraps a function.
+    pub fn new(function: Py<PyAny>) -> Self {
+        Callable(Arc::new(Mutex::new(Some(function))))
+    }
+
+    fn function(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let guard = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        guard.as_ref().map(|function| function.clone_ref(py)).ok_or_else(|| {
+            pyo3::exceptions::PyRuntimeError::new_err("the simulation was removed by the garbage collector")
+        })
+    }
+
+    /// Shows the function to the garbage collector.
+    pub fn visit(&self, visit: &PyVisit<'_>) -> Result<(), PyTraverseError> {
+        match self.0.try_lock() {
+            Ok(guard) => guard.as_ref().map_or(Ok(()), |function| visit.call(function)),
+            Err(_) => Ok(()),
+        }
+    }
+
+    /// Drops the function.
+    pub fn clear(&self) {
+        let function = self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+        drop(function);
+    }
+
+    /// Address that distinguishes functions.
+    pub fn id(&self) -> usize {
+        let guard = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        guard.as_ref().map_or(0, |function| function.as_ptr() as usize)
+    }
+}
+
+/// Refuses numbers that are not finite. `name` is that of the array.
+pub fn check_finite(name: &str, numbers: &[f64]) -> PyResult<()> {
+    match numbers.iter().position(|x| !x.is_finite()) {
+        Some(i) => Err(PyValueError::new_err(format!("{name}[{i}]: found {}, expected a finite number", numbers[i]))),
+        None => Ok(()),
+    }
+}
+
 /// Names of drive modes, as in robot files.
 const MODES: [(&str, DriveMode); 5] = [
     ("position", DriveMode::Position),
@@ -61,6 +109,7 @@ pub fn numbers_of(value: &Bound<'_, PyAny>, name: &str, count: usize) -> PyResul
         let message = format!("{name}: found {} numbers, expected {count}", found.len());
         return Err(PyValueError::new_err(message));
     }
+    check_finite(name, &found)?;
     Ok(found)
 }
 
@@ -153,6 +202,14 @@ impl JointCommand {
         self.effort.read(py, &mut command.effort)?;
         self.kp.read(py, &mut command.kp)?;
         self.kd.read(py, &mut command.kd)?;
+        let all = [
+            ("position", &command.position),
+            ("velocity", &command.velocity),
+            ("effort", &command.effort),
+            ("kp", &command.kp),
+            ("kd", &command.kd),
+        ];
+        all.iter().try_for_each(|(name, values)| check_finite(&format!("command.{name}"), values))?;
         let (modes, written) = (self.mode.bind(py), self.written.lock().unwrap_or_else(PoisonError::into_inner));
         for (j, entry) in command.mode.iter_mut().enumerate() {
             let text = modes.get_item(j)?;
@@ -186,7 +243,16 @@ impl TaskContext {
             let message = format!("the task does not need {name:?}: name it in `needs`");
             return Err(PyAttributeError::new_err(message));
         }
-        self.state.bind(py).getattr(name)
+        self.state
+            .bind(py)
+            .getattr(name)
+            .map_err(|_| PyAttributeError::new_err(format!("the context of a task has no attribute {name:?}")))
+    }
+
+    fn __dir__(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        let own = self.state.bind(py).dir()?.extract::<Vec<String>>()?;
+        let parts = self.parts.bind(py).keys().extract::<Vec<String>>()?;
+        Ok(own.into_iter().chain(parts).chain(["start".to_owned()]).collect())
     }
 }
 
@@ -251,7 +317,7 @@ fn part(py: Python<'_>, context: &Context<'_>, name: &str) -> PyResult<Py<PyAny>
 /// A Python function as a task: `function(context, command)`, called at each control tick.
 pub struct PythonTask {
     name: String,
-    function: Py<PyAny>,
+    function: Callable,
     names: Vec<String>,
     needs: Needs,
     command: Option<Py<JointCommand>>,
@@ -260,7 +326,7 @@ pub struct PythonTask {
 
 impl PythonTask {
     /// A task that reads the named parts.
-    pub fn new(name: String, function: Py<PyAny>, names: Vec<String>, raised: Raised) -> PyResult<Self> {
+    pub fn new(name: String, function: Callable, names: Vec<String>, raised: Raised) -> PyResult<Self> {
         Ok(PythonTask { name, function, needs: needs(&names)?, names, command: None, raised })
     }
 
@@ -280,7 +346,7 @@ impl PythonTask {
             }
         };
         written.get().fill(py, command)?;
-        let answer = self.function.call1(py, (seen, written.clone_ref(py)))?;
+        let answer = self.function.function(py)?.call1(py, (seen, written.clone_ref(py)))?;
         written.get().read(py, command)?;
         // Only `False` ends the task: functions without a return value continue.
         let ends = answer.bind(py).extract::<bool>().is_ok_and(|continues| !continues);
@@ -323,7 +389,7 @@ pub struct PythonForce {
     link: LinkId,
     /// The point in the link's internal frame, m.
     point: Vector3<f64>,
-    function: Py<PyAny>,
+    function: Callable,
     corners: Vec<f64>,
     raised: Raised,
 }
@@ -334,10 +400,12 @@ impl PythonForce {
         name: String,
         model: &Model,
         (link, point): (&str, [f64; 3]),
-        function: Py<PyAny>,
+        function: Callable,
         corners: Vec<f64>,
         raised: Raised,
     ) -> PyResult<Self> {
+        check_finite("point", &point)?;
+        check_finite("corners", &corners)?;
         let found = model.link(link).ok_or_else(|| {
             let help = stiction::text::suggest(link, model.links.iter().map(|l| l.name.as_str()));
             PyValueError::new_err(format!("the robot has no link `{link}`; {help}"))
@@ -352,14 +420,15 @@ impl PythonForce {
         // At a discontinuity both sides have the same time; the function tells them apart by it.
         let is_before = context.within < context.time && self.corners.contains(&context.time);
         let time = if is_before { context.time.next_down() } else { context.time };
-        let answer = self.function.call1(py, (time, vector(py, point)?, vector(py, &velocity)?))?;
+        let answer = self.function.function(py)?.call1(py, (time, vector(py, point)?, vector(py, &velocity)?))?;
         let found = numbers(answer.bind(py))?;
+        check_finite(&format!("force `{}`", self.name), &found)?;
         match found[..] {
             [x, y, z] => Ok([Vector3::new(x, y, z), Vector3::zeros()]),
             [x, y, z, a, b, c] => Ok([Vector3::new(x, y, z), Vector3::new(a, b, c)]),
             _ => {
                 let expected = "expected a force of 3, or force and moment of 6";
-                Err(PyValueError::new_err(format!("found {} numbers, {expected}", found.len())))
+                Err(PyValueError::new_err(format!("force `{}`: found {} numbers, {expected}", self.name, found.len())))
             }
         }
     }

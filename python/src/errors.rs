@@ -1,5 +1,7 @@
 //! Exceptions of the package. Python code defines their classes; this module raises them.
 
+use std::sync::OnceLock;
+
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stiction::batch::{BatchError, DiagnosticMessage, Finding, Findings, Severity};
@@ -69,4 +71,17 @@ pub fn of_results(py: Python<'_>, error: impl ToString) -> PyErr {
 /// A batch that failed as a whole.
 pub fn of_batch(py: Python<'_>, error: &BatchError) -> PyErr {
     of_results(py, error)
+}
+
+/// Refuses work on threads that a fork of the process has lost.
+pub fn check_fork(py: Python<'_>) -> PyResult<()> {
+    static PROCESS: OnceLock<u32> = OnceLock::new();
+    match *PROCESS.get_or_init(std::process::id) == std::process::id() {
+        true => Ok(()),
+        false => {
+            let why = "this process was forked from one that has run scenarios, whose threads it lacks: start processes \
+                       by `multiprocessing.get_context(\"spawn\")`";
+            Err(of_results(py, why))
+        }
+    }
 }

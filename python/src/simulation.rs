@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pyo3::exceptions::{PyIndexError, PyValueError};
+use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 use stiction::assemble::setup_with;
@@ -17,13 +18,13 @@ use stiction::sim::{Observer, ObserverError, Outcome, RunError, SimEvent, Simula
 use stiction::{Command, Context, Status, Task, TaskResult};
 
 use crate::arrays::vector;
-use crate::callables::{PythonForce, PythonTask, Raised, mode, numbers_of};
+use crate::callables::{Callable, PythonForce, PythonTask, Raised, mode, numbers_of};
 use crate::errors::{of_findings, of_results, of_run, refused};
 use crate::scenario_file::{ScenarioFile, Selected};
 use crate::state::{Contact, State};
 
-/// Number of ticks above which a step checks for signals.
-const MANY: u64 = 1000;
+/// Time between checks for signals, such as that of Ctrl-C.
+pub const PATIENCE: Duration = Duration::from_millis(50);
 
 /// Joint commands of the caller, which hold until the next ones; none for values left to the tasks.
 #[derive(Clone, Default)]
@@ -108,11 +109,27 @@ impl Stepped {
         }
     }
 
-    /// Advances by control ticks. Returns whether the run continues.
-    pub fn step(&mut self, ticks: u64) -> Result<bool, RunError> {
+    /// Advances by control ticks, until one at which `interrupted`, called from time to time, is true. Returns
+    /// whether the run continues.
+    pub fn step(&mut self, ticks: u64, mut interrupted: impl FnMut() -> bool) -> Result<bool, RunError> {
         self.tick_always();
         let now = (self.run.time() * self.rate + 1e-9).floor();
-        self.advance((now + ticks as f64) / self.rate)
+        let (mut checked, mut continues) = ((ticks > 1).then(Instant::now), self.end.is_none());
+        for tick in 1..=ticks.max(1) {
+            continues = self.advance((now + tick.min(ticks) as f64) / self.rate)?;
+            if let Some(last) = checked
+                && last.elapsed() > PATIENCE
+            {
+                if interrupted() {
+                    break;
+                }
+                checked = Some(Instant::now());
+            }
+            if !continues {
+                break;
+            }
+        }
+        Ok(continues)
     }
 
     fn advance(&mut self, time: f64) -> Result<bool, RunError> {
@@ -164,8 +181,8 @@ pub struct Simulation {
     inner: Mutex<Stepped>,
     job: Job,
     raised: Raised,
-    /// Whether Python functions are called while it steps.
-    calls_python: bool,
+    /// Functions that are called while it steps.
+    functions: Vec<Callable>,
 }
 
 impl Simulation {
@@ -178,6 +195,11 @@ impl Simulation {
                 Err(refused(py, "the simulation is being stepped: use it again when the call has returned"))
             }
         }
+    }
+
+    /// Takes the exception of a Python function out.
+    pub fn take_raised(&self) -> Option<PyErr> {
+        self.raised.take()
     }
 
     /// The exception for an error: that of the Python function which caused it, if one did.
@@ -216,7 +238,7 @@ impl Simulation {
                     done
                 });
                 let mut interrupted = None;
-                while ended.recv_timeout(Duration::from_millis(50)) == Err(std::sync::mpsc::RecvTimeoutError::Timeout) {
+                while ended.recv_timeout(PATIENCE) == Err(std::sync::mpsc::RecvTimeoutError::Timeout) {
                     if let Err(error) = Python::attach(|py| py.check_signals()) {
                         interrupted = Some(error);
                         cancel.store(true, Ordering::Relaxed);
@@ -270,14 +292,24 @@ impl Simulation {
             of_findings(py, &findings)
         })?;
         let raised = Raised::default();
-        let calls_python = !tasks.is_empty() || !forces.is_empty();
+        let mut functions = Vec::new();
         let has_tasks = !tasks.is_empty();
         for (name, function, start, needs) in tasks {
+            if !start.is_finite() {
+                return Err(PyValueError::new_err(format!("task `{name}`: found the start {start} s")));
+            }
+            let function = Callable::new(function);
+            functions.push(function.clone());
             setup.tasks.add(start, Box::new(PythonTask::new(name, function, needs, raised.clone())?));
         }
         for (name, link, function, point, corners) in forces {
+            let function = Callable::new(function);
+            functions.push(function.clone());
             let force = PythonForce::new(name, &setup.model, (&link, point), function, corners, raised.clone())?;
             setup.forces.push(Box::new(force));
+        }
+        if let Some(path) = log.as_ref().filter(|path| path.exists() && !path.is_file()) {
+            return Err(PyValueError::new_err(format!("log: {} is not a file", path.display())));
         }
         let opened = log.map(|path| open_log(Some(&path), None, &job, &setup)).transpose();
         let recorder = Recorder { log: opened.map_err(|error| of_results(py, error))?, events: Vec::new() };
@@ -293,7 +325,7 @@ impl Simulation {
         if has_tasks {
             stepped.tick_always();
         }
-        Ok(Simulation { inner: Mutex::new(stepped), job, raised, calls_python })
+        Ok(Simulation { inner: Mutex::new(stepped), job, raised, functions })
     }
 
     /// Simulated time, s.
@@ -371,10 +403,14 @@ impl Simulation {
     /// Advances by control ticks; returns whether the run continues.
     #[pyo3(signature = (ticks=1))]
     fn step(&self, py: Python<'_>, ticks: u64) -> PyResult<bool> {
-        match ticks <= MANY {
-            true => self.work(py, |stepped| stepped.step(ticks)),
-            false => self.work_interruptibly(py, |stepped| stepped.step(ticks)),
-        }
+        let mut interruption = None;
+        let continues = self.work(py, |stepped| {
+            stepped.step(ticks, || {
+                interruption = Python::attach(|py| py.check_signals()).err();
+                interruption.is_some()
+            })
+        })?;
+        interruption.map_or(Ok(continues), Err)
     }
 
     /// Takes one step of the integrator; returns whether the run continues.
@@ -526,7 +562,8 @@ impl Simulation {
             kept,
             commanded,
             end: guard.end.clone(),
-            events: guard.recorder.events.len(),
+            events: guard.recorder.events.clone(),
+            functions: self.function_ids(),
         })
     }
 
@@ -535,6 +572,9 @@ impl Simulation {
         let mut guard = self.lock(py)?;
         if checkpoint.key != self.job.key {
             return Err(refused(py, "the state was saved from another run"));
+        }
+        if checkpoint.functions != self.function_ids() {
+            return Err(refused(py, "the state was saved from a simulation with other Python functions"));
         }
         if guard.recorder.log.is_some() {
             return Err(refused(py, "the run writes a log, whose times cannot go back"));
@@ -547,7 +587,7 @@ impl Simulation {
                 done.map_err(|error| of_run(py, &error, Some(guard.run.time())))?;
             }
             None => {
-                if self.calls_python {
+                if !self.functions.is_empty() {
                     return Err(refused(py, "a state saved before the first step, of a run with Python functions"));
                 }
                 let built = setup_with(&self.job.run, &self.job.robot, &self.job.objects);
@@ -562,8 +602,18 @@ impl Simulation {
         }
         *guard.commanded.lock().unwrap_or_else(PoisonError::into_inner) = checkpoint.commanded.clone();
         guard.end = checkpoint.end.clone();
-        guard.recorder.events.truncate(checkpoint.events);
+        guard.recorder.events.clone_from(&checkpoint.events);
+        guard.cancel.store(false, Ordering::Relaxed);
+        self.raised.take();
         Ok(())
+    }
+
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        self.functions.iter().try_for_each(|function| function.visit(&visit))
+    }
+
+    fn __clear__(&self) {
+        self.functions.iter().for_each(Callable::clear);
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
@@ -573,6 +623,10 @@ impl Simulation {
 }
 
 impl Simulation {
+    fn function_ids(&self) -> Vec<usize> {
+        self.functions.iter().map(Callable::id).collect()
+    }
+
     fn present(&self, py: Python<'_>) -> PyResult<Snapshot> {
         let mut guard = self.lock(py)?;
         let stepped = &mut *guard;
@@ -603,8 +657,10 @@ pub struct Checkpoint {
     kept: Option<Mutex<stiction::sim::Checkpoint>>,
     commanded: Commanded,
     end: Option<(Outcome, String)>,
-    /// Number of events so far.
-    events: usize,
+    /// Events so far.
+    events: Vec<SimEvent>,
+    /// The Python functions of the simulation.
+    functions: Vec<usize>,
 }
 
 #[pymethods]

@@ -10,7 +10,7 @@ use polars_arrow::datatypes::{ArrowDataType, Field};
 use polars_arrow::ffi::export_iterator;
 use polars_io::SerReader;
 use polars_io::parquet::read::ParquetReader;
-use pyo3::exceptions::PyKeyError;
+use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 use stiction::export::{self, Selection};
@@ -20,7 +20,7 @@ use stiction::report::{Pictured, rewrite_results};
 use stiction::results::list_records;
 
 use crate::arrays::{array, of_kind};
-use crate::errors::{of_log, of_results};
+use crate::errors::{check_fork, of_log, of_results};
 
 /// A table of named columns of equal length.
 #[pyclass(frozen, subclass, module = "stiction._native")]
@@ -102,6 +102,7 @@ impl Table {
 /// The summary in a folder of results.
 #[pyfunction]
 pub fn summary(py: Python<'_>, folder: PathBuf) -> PyResult<Table> {
+    check_fork(py)?;
     let path = folder.join(names::SUMMARY_PARQUET);
     let read = py.detach(|| {
         let file = std::fs::File::open(&path).map_err(|error| error.to_string())?;
@@ -132,6 +133,14 @@ pub fn series(
     start: Option<f64>,
     end: Option<f64>,
 ) -> PyResult<Table> {
+    if let Some(rate) = rate.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {
+        return Err(PyValueError::new_err(format!("rate: found {rate}, expected a number above 0, Hz")));
+    }
+    for (name, time) in [("start", start), ("end", end)] {
+        if let Some(time) = time.filter(|time| !time.is_finite()) {
+            return Err(PyValueError::new_err(format!("{name}: found {time}, expected a finite time, s")));
+        }
+    }
     let log = trajectory(py, &log)?;
     let selection = Selection { columns, rate, from: start, to: end };
     let made = py.detach(|| export::series(&log, &selection)).map_err(|error| of_log(py, error))?;
@@ -148,6 +157,7 @@ pub fn events(py: Python<'_>, log: PathBuf) -> PyResult<Table> {
 /// Writes summary and report of a folder again from its records; returns the path of the report.
 #[pyfunction]
 pub fn report(py: Python<'_>, folder: PathBuf) -> PyResult<PathBuf> {
+    check_fork(py)?;
     let page = folder.join(names::REPORT);
     let written = py.detach(|| {
         let listing = list_records(&folder)?;

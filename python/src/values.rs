@@ -8,9 +8,22 @@ use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyMapping, PySequence,
 use stiction::batch::Overrides;
 use toml::Value;
 
+/// Deepest nesting of values; a value that contains itself has no end.
+const DEEPEST: usize = 64;
+
+/// Refuses values that are nested too deeply. `path` has a dot or bracket for each level.
+fn check_depth(path: &str) -> PyResult<()> {
+    if path.bytes().filter(|b| matches!(b, b'.' | b'[')).count() > DEEPEST {
+        let start: String = path.chars().take(40).collect();
+        return Err(PyValueError::new_err(format!("{start}...: nested more than {DEEPEST} levels")));
+    }
+    Ok(())
+}
+
 /// The TOML value of a Python value: texts, paths, flags, numbers, dictionaries and sequences, also those
 /// of NumPy. `path` names its position in messages.
 pub fn to_toml(value: &Bound<'_, PyAny>, path: &str) -> PyResult<Value> {
+    check_depth(path)?;
     if let Ok(text) = value.cast::<PyString>() {
         Ok(Value::String(text.extract()?))
     } else if value.is_instance_of::<PyBool>() {
@@ -23,8 +36,12 @@ pub fn to_toml(value: &Bound<'_, PyAny>, path: &str) -> PyResult<Value> {
     } else if let Ok(table) = value.cast::<PyMapping>() {
         to_table(table, path).map(Value::Table)
     } else if value.hasattr("tolist")? {
-        // Arrays and scalars of NumPy.
-        to_toml(&value.call_method0("tolist")?, path)
+        // Arrays and scalars of NumPy. Some scalars, such as long doubles, convert to themselves.
+        let converted = value.call_method0("tolist")?;
+        match converted.get_type().is(value.get_type()) {
+            true => Ok(Value::Float(value.call_method0("__float__")?.extract()?)),
+            false => to_toml(&converted, path),
+        }
     } else if value.hasattr("__fspath__")? {
         let file: PathBuf = value.extract()?;
         Ok(Value::String(file.to_string_lossy().into_owned()))
@@ -90,6 +107,7 @@ pub fn to_text(table: &Bound<'_, PyMapping>) -> PyResult<String> {
 
 /// A value in one line.
 fn inline(value: &Bound<'_, PyAny>, path: &str) -> PyResult<String> {
+    check_depth(path)?;
     if let Ok(table) = value.cast::<PyMapping>() {
         let entry = |(key, value): (String, Bound<'_, PyAny>)| {
             Ok(format!("{} = {}", written_key(&key), inline(&value, &joined(path, &key))?))
@@ -110,7 +128,8 @@ fn written_key(key: &str) -> String {
     let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
     match !key.is_empty() && key.chars().all(is_bare) {
         true => key.to_owned(),
-        false => Value::String(key.to_owned()).to_string(),
+        // The escapes of JSON are those of TOML, which would write a line break as it is.
+        false => serde_json::to_string(key).unwrap_or_default(),
     }
 }
 

@@ -19,7 +19,8 @@ def native_inputs(
     """Returns the files and the overrides of a batch. Values of a scenario precede those of the batch."""
     files = [scenario._file for scenario in scenarios]
     common = scenarios[0]._set
-    if all(scenario._set == common for scenario in scenarios):
+    # Values are not compared: equality of arrays is one of their entries, and 1 equals True.
+    if all(scenario._set is common or not (scenario._set or common) for scenario in scenarios):
         return files, list({**common, **(values or {})}.items())
     own = [file.with_overrides(list(scenario._set.items())) for file, scenario in zip(files, scenarios, strict=True)]
     return own, list((values or {}).items())

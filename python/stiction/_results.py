@@ -36,7 +36,7 @@ class ResultsFolder:
     """The folder of results; a temporary one is removed when nothing refers to it any more."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
+        self.path = Path(path).absolute()
         self.is_temporary = False
 
     @classmethod
@@ -122,6 +122,8 @@ class Runs(Mapping[str, Run]):
 
 def _matches(column: NDArray[Any], value: object) -> NDArray[np.bool_]:
     """Returns which rows of a column of parameters have a value, given as in a scenario."""
+    if isinstance(value, os.PathLike):
+        value = os.fspath(value)
     if isinstance(value, np.generic | np.ndarray):
         value = value.tolist()
     if isinstance(value, (list, tuple)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -41,6 +42,7 @@ class Task:
     needs: Sequence[str] = ()
 
     def _native(self) -> tuple[str, TaskFunction, float, list[str]]:
+        _check(self.function, "a task")
         return self.name or _name(self.function), self.function, float(self.start), list(self.needs)
 
 
@@ -69,6 +71,14 @@ class Force:
     def _native(self) -> tuple[str, str, ForceFunction, list[float], list[float]]:
         name = self.name or _name(self.function)
         return name, self.link, self.function, [float(x) for x in self.point], [float(time) for time in self.corners]
+
+
+def _check(function: object, what: str) -> None:
+    """Refuses what is no function, and functions whose call would do nothing."""
+    if not callable(function):
+        raise TypeError(f"{what}: found {function!r}, expected a function")
+    if inspect.isgeneratorfunction(function) or inspect.iscoroutinefunction(function):
+        raise TypeError(f"{what}: {_name(function)} is a generator or coroutine function, expected a plain function")
 
 
 def _name(function: Callable[..., Any]) -> str:
@@ -106,6 +116,10 @@ class Simulation(_native.Simulation):
         log: str | os.PathLike[str] | None = None,
     ) -> Self:
         (file,), overrides = native_inputs([scenario_of(scenario)], set)
+        acting = list(forces)
+        for force in acting:
+            if not isinstance(force, Force):
+                raise TypeError(f"forces: found {force!r}, expected stiction.Force(function, link)")
         listed = [task if isinstance(task, Task) else Task(task) for task in tasks]
         return super().__new__(
             cls,
@@ -113,7 +127,7 @@ class Simulation(_native.Simulation):
             overrides,
             run,
             [task._native() for task in listed],
-            [force._native() for force in forces],
+            [force._native() for force in acting],
             None if log is None else os.fspath(log),
         )
 
