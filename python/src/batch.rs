@@ -13,8 +13,9 @@ use stiction::RunError;
 use crate::arrays::{Shared, of_kind};
 use crate::callables::check_finite;
 use crate::errors::refused;
-use crate::simulation::{PATIENCE, Simulation, Stepped};
+use crate::simulation::Simulation;
 use crate::state::base_velocity;
+use crate::stepped::{PATIENCE, Stepped};
 
 /// m simulations of robots with n joints, stepped in parallel with the interpreter's lock released. The
 /// arrays are allocated once; each step refreshes those of motion and reads those of commands.

@@ -5,7 +5,8 @@
 //! | `scenario_file` | scenarios from files, texts and dictionaries; their runs and diagnostics |
 //! | `batch_run` | batches, as `runner run` executes them |
 //! | `table` | summaries, time series and events as columns and Arrow streams |
-//! | `simulation`, `state` | one run, stepped; its motion and contacts |
+//! | `simulation`, `stepped`, `state` | one run, stepped; how far it is; its motion and contacts |
+//! | `checkpoint` | saved states |
 //! | `batch` | many simulations, stepped in parallel |
 //! | `callables` | Python functions as tasks and force models |
 //! | `arrays`, `values` | NumPy arrays; conversion of other values |
@@ -17,10 +18,12 @@ mod arrays;
 mod batch;
 mod batch_run;
 mod callables;
+mod checkpoint;
 mod errors;
 mod scenario_file;
 mod simulation;
 mod state;
+mod stepped;
 mod table;
 mod values;
 
@@ -45,11 +48,13 @@ mod _native {
     #[pymodule_export]
     use super::callables::{JointCommand, TaskContext};
     #[pymodule_export]
+    use super::checkpoint::Checkpoint;
+    #[pymodule_export]
     use super::main;
     #[pymodule_export]
     use super::scenario_file::{ScenarioFile, check, runs};
     #[pymodule_export]
-    use super::simulation::{Checkpoint, Simulation};
+    use super::simulation::Simulation;
     #[pymodule_export]
     use super::state::{Contact, State};
     #[pymodule_export]

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
-use std::time::{Duration, Instant};
 
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::gc::{PyTraverseError, PyVisit};
@@ -11,169 +10,17 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 use stiction::assemble::setup_with;
 use stiction::batch::{Job, open_log};
-use stiction::log::LogWriter;
 use stiction::metrics::{Measure, NUMERIC_COLUMNS};
 use stiction::robot::DriveMode;
-use stiction::sim::{Observer, ObserverError, Outcome, RunError, SimEvent, Simulation as Run, Snapshot};
-use stiction::{Command, Context, Status, Task, TaskResult};
+use stiction::sim::{RunError, SimEvent, Simulation as Run, Snapshot};
 
 use crate::arrays::vector;
 use crate::callables::{Callable, PythonForce, PythonTask, Raised, mode, numbers_of};
+use crate::checkpoint::Checkpoint;
 use crate::errors::{of_findings, of_results, of_run, refused};
 use crate::scenario_file::{ScenarioFile, Selected};
 use crate::state::{Contact, State};
-
-/// Time between checks for signals, such as that of Ctrl-C.
-pub const PATIENCE: Duration = Duration::from_millis(50);
-
-/// Joint commands of the caller, which hold until the next ones; none for values left to the tasks.
-#[derive(Clone, Default)]
-pub struct Commanded {
-    pub position: Option<Vec<f64>>,
-    pub velocity: Option<Vec<f64>>,
-    pub effort: Option<Vec<f64>>,
-    kp: Option<Vec<f64>>,
-    kd: Option<Vec<f64>>,
-    mode: Option<Vec<DriveMode>>,
-}
-
-/// The last task of a run: applies the commands of the caller.
-struct CommandTask(Arc<Mutex<Commanded>>);
-
-impl Task for CommandTask {
-    fn init(&mut self, _: &Context, _: &Command) -> TaskResult {
-        Ok(Status::Running)
-    }
-
-    fn run(&mut self, _: &Context, command: &mut Command) -> TaskResult {
-        let given = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let pairs = [
-            (&given.position, &mut command.position),
-            (&given.velocity, &mut command.velocity),
-            (&given.effort, &mut command.effort),
-            (&given.kp, &mut command.kp),
-            (&given.kd, &mut command.kd),
-        ];
-        for (from, to) in pairs {
-            from.iter().for_each(|from| to.copy_from_slice(from));
-        }
-        given.mode.iter().for_each(|mode| command.mode.copy_from_slice(mode));
-        Ok(Status::Running)
-    }
-
-    fn has_memory(&self) -> bool {
-        false
-    }
-
-    fn name(&self) -> &str {
-        "command"
-    }
-}
-
-/// Keeps the events and writes the log.
-#[derive(Default)]
-struct Recorder {
-    log: Option<LogWriter>,
-    events: Vec<SimEvent>,
-}
-
-impl Observer for Recorder {
-    fn snapshot(&mut self, snapshot: &Snapshot) -> Result<(), ObserverError> {
-        self.log.as_mut().map_or(Ok(()), |log| log.snapshot(snapshot))
-    }
-
-    fn event(&mut self, event: &SimEvent) -> Result<(), ObserverError> {
-        self.events.push(event.clone());
-        self.log.as_mut().map_or(Ok(()), |log| log.event(event))
-    }
-}
-
-/// A run, and how far it is.
-pub struct Stepped {
-    pub run: Run,
-    recorder: Recorder,
-    pub commanded: Arc<Mutex<Commanded>>,
-    /// Whether the run has control ticks at which the caller may command joints.
-    ticks: bool,
-    rate: f64,
-    pub end: Option<(Outcome, String)>,
-    cancel: Arc<AtomicBool>,
-}
-
-impl Stepped {
-    /// Adds the task that applies the caller's commands, once: from now on every control tick ends a step.
-    pub fn tick_always(&mut self) {
-        if !self.ticks {
-            self.ticks = true;
-            self.run.add_task(0.0, Box::new(CommandTask(self.commanded.clone())));
-        }
-    }
-
-    /// Advances by control ticks, until one at which `interrupted`, called from time to time, is true. Returns
-    /// whether the run continues.
-    pub fn step(&mut self, ticks: u64, mut interrupted: impl FnMut() -> bool) -> Result<bool, RunError> {
-        self.tick_always();
-        let now = (self.run.time() * self.rate + 1e-9).floor();
-        let (mut checked, mut continues) = ((ticks > 1).then(Instant::now), self.end.is_none());
-        for tick in 1..=ticks.max(1) {
-            continues = self.advance((now + tick.min(ticks) as f64) / self.rate)?;
-            if let Some(last) = checked
-                && last.elapsed() > PATIENCE
-            {
-                if interrupted() {
-                    break;
-                }
-                checked = Some(Instant::now());
-            }
-            if !continues {
-                break;
-            }
-        }
-        Ok(continues)
-    }
-
-    fn advance(&mut self, time: f64) -> Result<bool, RunError> {
-        self.check()?;
-        if self.end.is_some() {
-            return Ok(false);
-        }
-        let done = self.run.advance_to(time, &mut self.recorder);
-        done.map_err(|error| self.failed(error))?;
-        if self.run.time() < self.run.end() {
-            return Ok(true);
-        }
-        self.finish().map(|()| false)
-    }
-
-    /// An error if the run has ended early.
-    fn check(&self) -> Result<(), RunError> {
-        match &self.end {
-            Some((Outcome::Passed, _)) | None => Ok(()),
-            Some((outcome, message)) => Err(RunError::new(*outcome, message.as_str())),
-        }
-    }
-
-    fn failed(&mut self, error: RunError) -> RunError {
-        self.end = Some((error.outcome, error.message.clone()));
-        // The log of a run that ended early is complete up to there.
-        let _ = self.recorder.log.take().map(LogWriter::finish);
-        error
-    }
-
-    /// Runs to the end and completes metrics and log.
-    fn finish(&mut self) -> Result<(), RunError> {
-        if self.end.is_some() {
-            return self.check();
-        }
-        let (outcome, message) = self.run.run(&mut self.recorder, &self.cancel);
-        if outcome != Outcome::Passed {
-            return Err(self.failed(RunError::new(outcome, message)));
-        }
-        self.end = Some((outcome, message));
-        let written = self.recorder.log.take().map_or(Ok(()), LogWriter::finish);
-        written.map_err(|error| self.failed(RunError::internal(error)))
-    }
-}
+use crate::stepped::{Commanded, PATIENCE, Recorder, Stepped};
 
 /// One run, stepped by its caller. SI units, world axes, quaternions x, y, z, w.
 #[pyclass(frozen, subclass, module = "stiction._native")]
@@ -644,28 +491,4 @@ fn modes(names: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<DriveMode>> {
         return Err(PyValueError::new_err(format!("mode: found {} texts, expected {count}", names.len())));
     }
     names.iter().map(|name| mode(name)).collect()
-}
-
-/// A state of a run, to which it can return.
-#[pyclass(frozen, module = "stiction._native")]
-pub struct Checkpoint {
-    key: String,
-    /// Simulated time, s.
-    #[pyo3(get)]
-    time: f64,
-    /// None before the first step.
-    kept: Option<Mutex<stiction::sim::Checkpoint>>,
-    commanded: Commanded,
-    end: Option<(Outcome, String)>,
-    /// Events so far.
-    events: Vec<SimEvent>,
-    /// The Python functions of the simulation.
-    functions: Vec<usize>,
-}
-
-#[pymethods]
-impl Checkpoint {
-    fn __repr__(&self) -> String {
-        format!("<Checkpoint of {} at {} s>", self.key, self.time)
-    }
 }

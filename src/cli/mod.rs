@@ -5,6 +5,9 @@
 //! `report`, `export`, `remote`, `live`, `batch`, `replay`, `view`, `submit`, `console`,
 //! `schema_page`. Used by: the programs.
 
+// Comments of arguments are help texts for a terminal.
+#![allow(rustdoc::bare_urls)]
+
 mod arguments;
 mod colour;
 mod commands;
