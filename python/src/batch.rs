@@ -5,6 +5,7 @@ use std::sync::{MutexGuard, PoisonError};
 use std::time::Instant;
 
 use pyo3::exceptions::PyValueError;
+use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 use rayon::prelude::*;
@@ -114,6 +115,11 @@ impl Batch {
         batch.refresh(py)?;
         batch.read_commands(py)?;
         Ok(batch)
+    }
+
+    /// Without this, a task that refers to the batch of its simulation would keep both for ever.
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        self.simulations.iter().try_for_each(|simulation| visit.call(simulation))
     }
 
     fn __len__(&self) -> usize {

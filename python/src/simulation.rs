@@ -54,8 +54,7 @@ impl Simulation {
         self.raised.take().unwrap_or_else(|| of_run(py, error, Some(time)))
     }
 
-    /// Works on the run with the interpreter's lock released. Signals such as that of Ctrl-C interrupt
-    /// long work.
+    /// Works on the run with the interpreter's lock released.
     fn work<T: Send>(
         &self,
         py: Python<'_>,

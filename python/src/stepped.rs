@@ -118,6 +118,7 @@ impl Stepped {
         Ok(continues)
     }
 
+    /// Advances to the first end of a step at or after `time`, s. Returns whether the run continues.
     pub fn advance(&mut self, time: f64) -> Result<bool, RunError> {
         self.check()?;
         if self.end.is_some() {

@@ -7,7 +7,10 @@ import os
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 import unittest
+from contextlib import contextmanager
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -100,6 +103,32 @@ def record(path):
     values = json.loads(Path(path).read_text())
     del values["timing"], values["checksum"]
     return values
+
+
+@contextmanager
+def counting():
+    """Counts on another thread, which runs only while the lock of the interpreter is released on purpose.
+
+    Gives a list with the count.
+    """
+    counted, done = [0], threading.Event()
+
+    def count():
+        while not done.is_set():
+            counted[0] += 1
+            # Releases the interpreter's lock.
+            time.sleep(0)
+
+    thread = threading.Thread(target=count)
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1000.0)
+    try:
+        thread.start()
+        yield counted
+    finally:
+        done.set()
+        sys.setswitchinterval(interval)
+        thread.join()
 
 
 class FolderTest(unittest.TestCase):

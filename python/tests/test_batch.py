@@ -1,11 +1,8 @@
 """Batches of simulations: the bits of single ones, arrays, ends."""
 
-import sys
-import threading
-import time
 import unittest
 
-from support import SCENARIOS, block, door, hoap2, numpy, stiction
+from support import SCENARIOS, block, counting, door, hoap2, numpy, stiction
 
 FIELDS = ("base_position", "base_orientation", "base_linear_velocity", "base_angular_velocity", "q", "qd")
 
@@ -104,28 +101,11 @@ class Ends(unittest.TestCase):
 
 class Threads(unittest.TestCase):
     def test_other_threads_run_while_it_steps(self):
-        counted, done = [0], threading.Event()
-
-        def count():
-            while not done.is_set():
-                counted[0] += 1
-                # Releases the interpreter's lock.
-                time.sleep(0)
-
         batch = stiction.Batch([stiction.Simulation(SCENARIOS / "stand.toml") for _ in range(4)])
-        thread = threading.Thread(target=count)
-        interval = sys.getswitchinterval()
-        # Threads only change where the lock is released on purpose, so nothing is counted outside of `step`.
-        sys.setswitchinterval(1000.0)
-        try:
-            thread.start()
+        with counting() as counted:
             before = counted[0]
             batch.step(1000)
             after = counted[0]
-        finally:
-            done.set()
-            sys.setswitchinterval(interval)
-            thread.join()
         self.assertGreater(after, before)
 
 

@@ -163,6 +163,19 @@ class Functions(unittest.TestCase):
         gc.collect()
         self.assertIsNone(environment())
 
+    def test_a_task_that_refers_to_its_batch_is_collected(self):
+        class Environment:
+            def __init__(self):
+                self.batch = stiction.Batch([stiction.Simulation(BLOCK, tasks=[self.task]) for _ in range(2)])
+                self.batch.step()
+
+            def task(self, _context, _command):
+                pass
+
+        environment = weakref.ref(Environment())
+        gc.collect()
+        self.assertIsNone(environment())
+
     def test_exceptions_of_a_batch_do_not_return(self):
         broken = [True]
 
@@ -210,7 +223,7 @@ class Interruptions(unittest.TestCase):
         with self.assertRaises(KeyboardInterrupt), interrupted_while_stepping():
             simulation.step(20_000)
         self.assertLess(simulation.time, 20.0)
-        # It goes on.
+        # Further steps continue from there.
         time = simulation.time
         simulation.step()
         self.assertAlmostEqual(simulation.time, time + 0.001, delta=1e-12)

@@ -2,12 +2,9 @@
 
 import pickle
 import signal
-import sys
-import threading
-import time
 import unittest
 
-from support import SCENARIOS, FolderTest, block, door, hoap2, numpy, stiction
+from support import SCENARIOS, FolderTest, block, counting, door, hoap2, numpy, stiction
 
 GRAVITY = 9.81
 # Moment of inertia of the door about its hinge, kg m^2 (robots/door/door.urdf).
@@ -252,28 +249,11 @@ class SavedStates(FolderTest):
 
 class Threads(unittest.TestCase):
     def test_other_threads_run_while_it_steps(self):
-        counted, done = [0], threading.Event()
-
-        def count():
-            while not done.is_set():
-                counted[0] += 1
-                # Releases the interpreter's lock.
-                time.sleep(0)
-
         simulation = stiction.Simulation(hoap2(duration=4.0))
-        thread = threading.Thread(target=count)
-        interval = sys.getswitchinterval()
-        # Threads only change where the lock is released on purpose, so nothing is counted outside of `step`.
-        sys.setswitchinterval(1000.0)
-        try:
-            thread.start()
+        with counting() as counted:
             before = counted[0]
             simulation.step(4000)
             after = counted[0]
-        finally:
-            done.set()
-            sys.setswitchinterval(interval)
-            thread.join()
         self.assertGreater(after, before)
 
     def test_ctrl_c_ends_a_run(self):

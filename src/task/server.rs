@@ -251,7 +251,7 @@ impl TaskServer {
     /// Returns to an earlier progress of these tasks.
     ///
     /// # Errors
-    /// The name of a task with memory that was called since or will go on from there.
+    /// The name of a task with memory that was called since, or would continue from there.
     pub fn return_to(&mut self, progress: &TaskProgress) -> Result<(), String> {
         let kept = |slot: &TaskSlot, then: &SlotProgress| {
             !slot.task.has_memory() || (!slot.begun && !then.begun) || (slot.ended && then.ended)

@@ -7,7 +7,7 @@ impl Plant {
     /// A copy of everything but the external forces, which cannot be copied. A contact solver that cannot
     /// be copied is replaced by a new one of `method`.
     pub fn copy_without_forces(&self, method: &dyn ContactMethod) -> Plant {
-        // Without a rest: a field that is added must be copied too.
+        // No `..rest`: the compiler names a new field that is not copied.
         Plant {
             model: self.model.clone(),
             polygons: self.polygons.clone(),
