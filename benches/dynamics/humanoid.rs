@@ -15,6 +15,8 @@ pub fn humanoid([leg, arm, torso]: [usize; 3]) -> Model {
         end_effectors: vec![],
         sensors: Default::default(),
         home: vec![],
+        couplings: Vec::new(),
+        loops: Vec::new(),
     };
     model.links.push(link(None, 0, 10.0));
     for side in [-1.0, 1.0] {

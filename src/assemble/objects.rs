@@ -165,6 +165,8 @@ fn object(entry: &ObjectEntry, name: String, solid: Solid) -> Object {
         end_effectors: Vec::new(),
         sensors: SensorFrames::default(),
         home: Vec::new(),
+        couplings: Vec::new(),
+        loops: Vec::new(),
     };
     let state = initial_state(&model, entry);
     let command = Command::hold(&model, &[]);

@@ -14,6 +14,7 @@
 
 pub mod adjustments;
 mod apply_robot_file;
+mod closure;
 mod friction;
 mod inspect;
 mod link_poses;
@@ -29,6 +30,7 @@ mod self_collision;
 mod sole_detection;
 mod urdf;
 
+pub use closure::{Coupling, LoopClosure, LoopKind};
 pub use friction::JointFrictionLaw;
 pub use inspect::inspect;
 pub use load::{Robot, load, load_with, parse};

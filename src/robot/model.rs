@@ -12,6 +12,7 @@
 //!   has joints only.
 //! - The root's internal frame is its URDF frame.
 
+use super::closure::{Coupling, LoopClosure};
 use super::friction::JointFrictionLaw;
 use super::rigid_inertia::RigidInertia;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
@@ -296,6 +297,10 @@ pub struct Model {
     pub sensors: SensorFrames,
     /// Home posture, one number per joint.
     pub home: Vec<f64>,
+    /// Joints that follow others, each after those it follows.
+    pub couplings: Vec<Coupling>,
+    /// Closed loops, in file order.
+    pub loops: Vec<LoopClosure>,
 }
 
 impl Model {

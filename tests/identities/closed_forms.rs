@@ -16,6 +16,8 @@ fn fixed(name: &str) -> Model {
         end_effectors: vec![],
         sensors: Default::default(),
         home: vec![],
+        couplings: Vec::new(),
+        loops: Vec::new(),
     }
 }
 

@@ -107,6 +107,8 @@ pub fn tree(seed: u64, joints: usize, base: Base) -> Model {
         end_effectors: vec![],
         sensors: Default::default(),
         home: vec![0.0; joints],
+        couplings: Vec::new(),
+        loops: Vec::new(),
     };
     for i in 0..joints {
         // Usually extend the newest chain, sometimes branch.

@@ -111,6 +111,8 @@ impl Oracle {
             end_effectors: vec![],
             sensors: Default::default(),
             home: vec![0.0; bodies.len() - 1],
+            couplings: Vec::new(),
+            loops: Vec::new(),
         };
         // Oracle's link frame from our internal frame.
         let mut turns: Vec<Matrix3<f64>> = vec![];

@@ -125,6 +125,8 @@ pub fn model() -> Model {
         end_effectors: vec![],
         sensors: Default::default(),
         home: vec![0.0, 0.0],
+        couplings: Vec::new(),
+        loops: Vec::new(),
     }
 }
 

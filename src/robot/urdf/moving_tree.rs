@@ -52,8 +52,9 @@ pub(super) fn build(
     let Parts { links, joints, .. } = parts;
     let home = vec![0.0; joints.len()];
     let name = tree.robot.name.clone();
-    let (soles, end_effectors, sensors) = Default::default();
-    let model = Model { name, base: root.base, links, joints, soles, end_effectors, sensors, home };
+    let (soles, end_effectors, sensors, couplings, loops) = Default::default();
+    let base = root.base;
+    let model = Model { name, base, links, joints, soles, end_effectors, sensors, home, couplings, loops };
     Ok(Loaded { model, meshes: shapes.files, mimics: Vec::new() })
 }
 
