@@ -7,6 +7,7 @@
 
 mod balance;
 mod bodies;
+mod closed_start;
 mod contact_pairs;
 mod events;
 mod forces;

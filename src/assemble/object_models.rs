@@ -1,10 +1,11 @@
 //! Objects that are mechanisms: a robot file or URDF with joints, which are free or held by servos.
 
 use super::bodies::link_shapes;
+use super::closed_start::{Given, close};
 use super::names::{self, Owner};
 use super::objects::{Object, initial_state, own_friction};
 use crate::robot::adjustments::{self, DriveSettings};
-use crate::robot::{self, Base, DriveMode, JointKind, Model, Robot, RobotError};
+use crate::robot::{self, Base, DriveMode, JointId, JointKind, Model, Robot, RobotError};
 use crate::scenario::{Diagnostic, Diagnostics, JointLimits, ModelObject, ObjectEntry, Run, segment};
 use crate::sim::plant::ObjectSetup;
 use crate::task::Command;
@@ -52,14 +53,22 @@ pub(super) fn object(
     hold(run, &path, spec, &mut model, errors);
     let mut state = initial_state(&model, entry);
     let owner = Owner { model: &model, kind: "object" };
-    for (id, q) in names::joints_of(owner, run, &format!("{path}.posture"), spec.posture.iter(), errors) {
+    let posture_key = format!("{path}.posture");
+    let posture = names::joints_of(owner, run, &posture_key, spec.posture.iter(), errors);
+    for &(id, q) in &posture {
         check_range(run, spec, &model, (&path, "posture"), id.0, q, errors);
         state.joints[id.0] = q;
     }
     let nb = model.nb();
-    for (id, qd) in names::joints_of(owner, run, &format!("{path}.velocity"), spec.velocity.iter(), errors) {
+    let velocity_key = format!("{path}.velocity");
+    let velocity = names::joints_of(owner, run, &velocity_key, spec.velocity.iter(), errors);
+    for &(id, qd) in &velocity {
         state.v[nb + id.0] = qd;
     }
+    let (posture_key, velocity_key) = (posture_key.as_str(), velocity_key.as_str());
+    let model_key = format!("{path}.model");
+    let given = Given { posture: &posture, posture_key, velocity: &velocity, velocity_key, model_key: &model_key };
+    close(run, &model, &given, &mut state, errors);
     let mut held = state.joints.clone();
     for (id, q) in names::joints_of(owner, run, &format!("{path}.target"), spec.target.iter(), errors) {
         let joint = &model.joints[id.0];
@@ -91,7 +100,10 @@ fn hold(run: &Run, path: &str, spec: &ModelObject, model: &mut Model, errors: &m
             ..DriveSettings::default()
         };
         let mut has_match = false;
-        for name in names.iter().filter(|name| matches(&servo.joints, name)) {
+        let is_meant = |j: usize, name: &str| name == servo.joints || model.coupling_of(JointId(j)).is_none();
+        let matching = names.iter().enumerate().filter(|(_, name)| matches(&servo.joints, name));
+        let matching: Vec<&String> = matching.filter(|(j, name)| is_meant(*j, name)).map(|(_, name)| name).collect();
+        for name in matching {
             has_match = true;
             if let Err(error) = adjustments::set_drive(model, name, &settings) {
                 errors.push(run.error_at(&format!("{path}.servo.{k}"), error.to_string(), None));

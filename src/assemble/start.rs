@@ -1,6 +1,7 @@
 //! The initial state of the robot.
 
 use crate::assemble::MIN_TILT_COSINE;
+use crate::assemble::closed_start::{Given, close};
 use crate::assemble::names::{check_range, joints};
 use crate::assemble::start_height::Ground;
 use crate::dynamics::{State, Workspace, kinematics};
@@ -24,18 +25,20 @@ const HEIGHT_STEP: f64 = 1e-6;
 const HEIGHT_ROUNDING: f64 = 1e-9;
 
 /// Initial state. Without a base position the robot stands above the world's origin, as low as floor and
-/// terrain permit.
+/// terrain permit, or at it if a loop joins it to the world.
 pub(super) fn start(run: &Run, model: &Model, ground: &Ground, errors: &mut Vec<Diagnostic>) -> Start {
     let floor = ground.floor;
     let spec = &run.scenario.robot;
     let mut state = State::home(model);
-    for (id, q) in joints(model, run, "robot.posture", spec.posture.iter(), errors) {
+    let posture = joints(model, run, "robot.posture", spec.posture.iter(), errors);
+    for &(id, q) in &posture {
         let key = format!("robot.posture.{}", model.joints[id.0].name);
         check_range(run, model, &key, id, ("the initial posture", q, q), errors);
         state.joints[id.0] = q;
     }
     let nb = model.nb();
-    for (id, qd) in joints(model, run, "robot.velocity", spec.velocity.iter(), errors) {
+    let velocity = joints(model, run, "robot.velocity", spec.velocity.iter(), errors);
+    for &(id, qd) in &velocity {
         state.v[nb + id.0] = qd;
     }
     let [roll, pitch, yaw] = spec.base.rpy;
@@ -44,6 +47,16 @@ pub(super) fn start(run: &Run, model: &Model, ground: &Ground, errors: &mut Vec<
         state.v[..3].copy_from_slice(&spec.base.linear_velocity);
         state.v[3..6].copy_from_slice(&spec.base.angular_velocity);
     }
+    let given = Given {
+        posture: &posture,
+        posture_key: "robot.posture",
+        velocity: &velocity,
+        velocity_key: "robot.velocity",
+        model_key: "robot.model",
+    };
+    // A loop to the world needs the position, which depends on the posture otherwise.
+    state.position = spec.base.position.map_or_else(Vector3::zeros, Vector3::from);
+    close(run, model, &given, &mut state, errors);
     state.position = match spec.base.position {
         Some(p) => p.into(),
         None if model.base == Base::Fixed => Vector3::zeros(),
@@ -53,6 +66,7 @@ pub(super) fn start(run: &Run, model: &Model, ground: &Ground, errors: &mut Vec<
             errors.push(run.error_at("floor.rpy", message, Some(help)));
             Vector3::zeros()
         }
+        None if model.loops.iter().any(|closure| closure.other.is_none()) => Vector3::zeros(),
         None => Vector3::new(0.0, 0.0, ground.rise(model, &state)),
     };
     Start { position: state.position, rotation: state.rotation, joints: state.joints, v: state.v }

@@ -14,7 +14,9 @@ use super::workspace::Workspace;
 /// [`DynamicsError::Singular`] when a pivot is not positive beyond rounding.
 pub fn factorize(ws: &mut Workspace) -> Result<(), DynamicsError> {
     ws.factor.copy_from(&ws.mass);
-    eliminate(&mut ws.factor, &mut ws.scratch)
+    eliminate(&mut ws.factor, &mut ws.scratch)?;
+    orthogonalize(ws, &[]);
+    Ok(())
 }
 
 /// As [`factorize`], of M + diag(`shift`): implicit joint damping has `shift = dt damping`. `shift`
@@ -56,7 +58,17 @@ fn shift_and_eliminate(ws: &mut Workspace, shift: &[f64], prescribed: &[usize]) 
         *ws.factor.row_mut(k).1.last_mut().expect("a row contains its diagonal") += s;
     }
     prescribed.iter().for_each(|k| ws.factor.decouple(*k));
-    eliminate(&mut ws.factor, &mut ws.scratch)
+    eliminate(&mut ws.factor, &mut ws.scratch)?;
+    orthogonalize(ws, prescribed);
+    Ok(())
+}
+
+/// Refers the conditions of couplings and loops to the factor.
+fn orthogonalize(ws: &mut Workspace, prescribed: &[usize]) {
+    if ws.constraints.number() > 0 {
+        let (factor, constraints) = (&ws.factor, &mut ws.constraints);
+        constraints.orthogonalize(prescribed, |x| solve_lt(factor, x));
+    }
 }
 
 /// Calls a function for the length of a row as a constant, or evaluates `$long` for longer rows. Rows
@@ -213,6 +225,13 @@ fn subtract_joints_from_base(factor: &mut TreeMatrix) {
 /// `x = M^-1 x`, length nv.
 pub fn solve(ws: &Workspace, x: &mut [f64]) {
     solve_lt(&ws.factor, x);
+    solve_l(&ws.factor, x);
+}
+
+/// `x = M^-1 x` within the conditions of couplings and loops: the change of velocities by an impulse x.
+pub fn solve_coupled(ws: &Workspace, x: &mut [f64]) {
+    solve_lt(&ws.factor, x);
+    ws.constraints.project(x);
     solve_l(&ws.factor, x);
 }
 

@@ -23,6 +23,7 @@ use nalgebra::{Matrix3, Vector3};
 pub fn update(model: &Model, state: &State, ws: &mut Workspace) {
     positions(model, state, ws);
     velocities(state, ws);
+    super::conditions::update(model, state, ws);
 }
 
 /// Poses, joint axes and world inertias for the configuration of `state`.

@@ -23,6 +23,9 @@
 pub mod aba;
 pub mod body;
 pub mod chain;
+pub mod closing;
+pub mod conditions;
+pub mod constraints;
 pub mod crba;
 pub mod factor;
 pub mod jacobian;
@@ -35,6 +38,7 @@ pub mod state;
 pub mod tree_matrix;
 pub mod workspace;
 
+pub use constraints::Constraints;
 pub use reduced::Reduced;
 pub use spatial::{Force, Inertia, Motion};
 pub use state::State;

@@ -21,6 +21,8 @@
 //! are short contiguous sums.
 
 mod blocks;
+mod conditions;
+mod responses;
 
 use super::factor;
 use super::jacobian::classical;
@@ -28,8 +30,11 @@ use super::spatial::Motion;
 use super::workspace::Workspace;
 use crate::robot::{LinkId, Model, Sole, SoleId};
 use blocks::{Block, Term};
+use conditions::Conditions;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
+
+pub use responses::{add_efforts, add_point_row, apply, load, multipliers};
 
 /// The workspaces of all mechanisms of a problem.
 #[derive(Clone, Copy)]
@@ -135,6 +140,7 @@ pub struct Reduced {
     /// Position of the row of L of each of these velocities among its entries.
     rows: Vec<usize>,
     half: Vec<f64>,
+    conditions: Conditions,
     /// First velocity of each mechanism, and the number of all.
     offsets: Vec<usize>,
 }
@@ -171,6 +177,7 @@ impl Reduced {
             y: Vec::new(),
             rows: Vec::new(),
             half: vec![0.0; nv],
+            conditions: Conditions::new(ws),
             offsets,
         };
         for contact in contacts {
@@ -196,13 +203,15 @@ impl Reduced {
         (out.w, out.a0, out.velocity) = (vec![0.0; 36 * n * n], vec![0.0; 6 * n], vec![0.0; 6 * n]);
         (out.reference, out.axes) = (vec![Vector3::zeros(); n], vec![Matrix3::identity(); n]);
         out.arms = vec![Vector3::zeros(); out.local_arms.len()];
+        out.conditions.add_sides(out.sides.iter().map(|side| side.body.mechanism));
         out
     }
 
     fn add_side(&mut self, body: BodyId, sign: f64, ws: Mechanisms) {
         let of = ws.get(body.mechanism);
-        let chain = of.support(body.link);
-        self.rows.extend(chain.iter().map(|&k| of.factor.pattern().start(k)));
+        let chain = of.coupled(body.link);
+        self.rows.extend(of.support(body.link).iter().map(|&k| of.factor.pattern().start(k)));
+        self.rows.resize(self.y.len() + chain.len(), 0);
         let offset = self.offsets[body.mechanism];
         self.sides.push(Side { body, sign, start: self.y.len(), length: chain.len(), offset });
         self.y.resize(self.y.len() + chain.len(), [0.0; 6]);
@@ -282,6 +291,9 @@ pub fn assemble_with_geometry<'a>(ws: impl Into<Mechanisms<'a>>, tau: &[f64], ou
             *half = tau - h;
         }
         factor::solve_lt(&of.factor, half);
+        if of.constraints.number() > 0 {
+            out.conditions.constrain(m, of, half);
+        }
         out.free[range.clone()].copy_from_slice(half);
         factor::solve_l(&of.factor, &mut out.free[range]);
     }
@@ -332,13 +344,13 @@ fn relative_velocity(ws: Mechanisms, s: usize, out: &mut Reduced) {
 }
 
 /// Y of one side: its Jacobian columns, then L^-T along the support chain.
-fn half_solve(ws: Mechanisms, s: usize, side: usize, out: &mut Reduced) {
+fn half_solve(ws: Mechanisms, s: usize, side_index: usize, out: &mut Reduced) {
     let to_contact = out.axes[s].transpose();
-    let side = &out.sides[side];
+    let side = &out.sides[side_index];
     let of = ws.get(side.body.mechanism);
     let chain = of.support(side.body.link);
     let r = out.reference[s] - of.position;
-    let y = &mut out.y[side.start..side.start + side.length];
+    let y = &mut out.y[side.start..side.start + chain.len()];
     for (y, &k) in y.iter_mut().zip(chain) {
         let axis = &of.axes[k];
         write_in_axes(&to_contact, &Motion::new(axis.at(&r), axis.angular), y);
@@ -346,7 +358,7 @@ fn half_solve(ws: Mechanisms, s: usize, side: usize, out: &mut Reduced) {
     if side.sign < 0.0 {
         y.iter_mut().flatten().for_each(|y| *y = -*y);
     }
-    let rows = &out.rows[side.start..side.start + side.length];
+    let rows = &out.rows[side.start..side.start + chain.len()];
     let l = of.factor.entries();
     for e in (0..chain.len()).rev() {
         let (above, below) = y.split_at_mut(e + 1);
@@ -358,6 +370,15 @@ fn half_solve(ws: Mechanisms, s: usize, side: usize, out: &mut Reduced) {
         }
         let inverse = l[rows[e] + e];
         above[e] = sum.map(|x| x * inverse);
+    }
+    if of.constraints.number() > 0 {
+        let y = &mut out.y[side.start..side.start + side.length];
+        // From the support chain to all velocities, of which it is an ascending part.
+        y[chain.len()..].fill([0.0; 6]);
+        for (e, &k) in chain.iter().enumerate().rev() {
+            y.swap(e, k);
+        }
+        out.conditions.project(side_index, side.body.mechanism, &of.constraints, y);
     }
 }
 
@@ -382,9 +403,13 @@ fn free_motion(ws: Mechanisms, s: usize, out: &mut Reduced) {
     let a0 = &mut out.a0[6 * s..6 * s + 6];
     write_in_axes(&out.axes[s].transpose(), &products, a0);
     let mut sum: [f64; 6] = std::array::from_fn(|i| a0[i]);
-    for side in &out.sides[sides] {
+    for side_index in sides {
+        let side = &out.sides[side_index];
+        if ws.get(side.body.mechanism).constraints.number() > 0 {
+            sum.iter_mut().zip(&out.conditions.constrained[side_index]).for_each(|(a, x)| *a += x);
+        }
         let y = &out.y[side.start..side.start + side.length];
-        for (y, &k) in y.iter().zip(ws.get(side.body.mechanism).support(side.body.link)) {
+        for (y, &k) in y.iter().zip(ws.get(side.body.mechanism).coupled(side.body.link)) {
             let half = out.half[side.offset + k];
             sum.iter_mut().zip(y).for_each(|(a, y)| *a += y * half);
         }
@@ -401,98 +426,12 @@ fn remove_prescribed(ws: Mechanisms, s: usize, out: &mut Reduced) {
         if side.body.mechanism != 0 {
             continue;
         }
-        let chain = ws.robot.support(side.body.link);
+        let chain = ws.robot.coupled(side.body.link);
         for k in &out.prescribed {
             if let Ok(e) = chain.binary_search(k) {
                 out.y[side.start + e] = [0.0; 6];
             }
         }
-    }
-}
-
-/// Generalised force of contact wrenches on the robot's velocity `k`, `(J^T w)_k`; `w` has length 6F.
-/// Needs [`geometry`].
-pub fn load(ws: &Workspace, reduced: &Reduced, w: &[f64], k: usize) -> f64 {
-    let mut sum = 0.0;
-    for s in 0..reduced.n {
-        for side in reduced.sides[reduced.sides(s)].iter().filter(|side| side.body.mechanism == 0) {
-            if ws.support(side.body.link).binary_search(&k).is_ok() {
-                let axes = &reduced.axes[s];
-                let vector = |at: usize| axes * Vector3::new(w[6 * s + at], w[6 * s + at + 1], w[6 * s + at + 2]);
-                let axis = &ws.axes[k];
-                let r = reduced.reference[s] - ws.position;
-                sum += side.sign * (axis.at(&r).dot(&vector(0)) + axis.angular.dot(&vector(3)));
-            }
-        }
-    }
-    sum
-}
-
-/// Adds the row `g^T J` of a contact's point to `out`, of all velocities: g is a vector in the world,
-/// `point` a world position. Needs `kinematics::update`.
-pub fn add_point_row(
-    ws: Mechanisms,
-    reduced: &Reduced,
-    s: usize,
-    point: &Vector3<f64>,
-    g: &Vector3<f64>,
-    out: &mut [f64],
-) {
-    for side in &reduced.sides[reduced.sides(s)] {
-        let of = ws.get(side.body.mechanism);
-        let r = point - of.position;
-        for &k in of.support(side.body.link) {
-            out[side.offset + k] += side.sign * g.dot(&of.axes[k].at(&r));
-        }
-    }
-}
-
-/// Adds the effect of a generalised force on mechanism `m`, given as velocities and efforts: to `free`, the
-/// accelerations of all mechanisms, and to `motion`, those of the contacts, 6F. Needs [`assemble`].
-pub fn add_efforts<'a>(
-    ws: impl Into<Mechanisms<'a>>,
-    reduced: &mut Reduced,
-    m: usize,
-    efforts: impl Iterator<Item = (usize, f64)>,
-    (free, motion): (&mut [f64], &mut [f64]),
-) {
-    let ws = ws.into();
-    let range = reduced.offsets[m]..reduced.offsets[m + 1];
-    reduced.half.fill(0.0);
-    efforts.for_each(|(k, effort)| reduced.half[range.start + k] += effort);
-    factor::solve_lt(&ws.get(m).factor, &mut reduced.half[range.clone()]);
-    for s in 0..reduced.n {
-        for side in reduced.sides[reduced.sides(s)].iter().filter(|side| side.body.mechanism == m) {
-            let y = &reduced.y[side.start..side.start + side.length];
-            for (y, &k) in y.iter().zip(ws.get(m).support(side.body.link)) {
-                let half = reduced.half[side.offset + k];
-                motion[6 * s..6 * s + 6].iter_mut().zip(y).for_each(|(a, y)| *a += y * half);
-            }
-        }
-    }
-    factor::solve_l(&ws.get(m).factor, &mut reduced.half[range.clone()]);
-    free[range.clone()].iter_mut().zip(&reduced.half[range]).for_each(|(a, x)| *a += x);
-}
-
-/// Adds `M^-1 J^T w` to `out`, of all mechanisms: accelerations for wrenches `w`, velocity jumps for
-/// impulses. `w` has length 6F. Needs [`assemble`].
-pub fn apply<'a>(ws: impl Into<Mechanisms<'a>>, reduced: &mut Reduced, w: &[f64], out: &mut [f64]) {
-    let ws = ws.into();
-    reduced.half.fill(0.0);
-    for s in 0..reduced.n {
-        let w = &w[6 * s..6 * s + 6];
-        for side in &reduced.sides[reduced.side_start[s]..reduced.side_start[s + 1]] {
-            let y = &reduced.y[side.start..side.start + side.length];
-            for (y, &k) in y.iter().zip(ws.get(side.body.mechanism).support(side.body.link)) {
-                reduced.half[side.offset + k] += y.iter().zip(w).map(|(y, w)| y * w).sum::<f64>();
-            }
-        }
-    }
-    for m in 0..ws.number() {
-        factor::solve_l(&ws.get(m).factor, &mut reduced.half[reduced.offsets[m]..reduced.offsets[m + 1]]);
-    }
-    for (out, x) in out.iter_mut().zip(&reduced.half) {
-        *out += x;
     }
 }
 

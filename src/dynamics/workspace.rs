@@ -1,5 +1,6 @@
 //! Scratch and results of one run, allocated once.
 
+use super::constraints::Constraints;
 use super::spatial::{Force, Inertia, Motion};
 use super::tree_matrix::{Pattern, TreeMatrix};
 use crate::robot::{Base, LinkId, Model};
@@ -42,6 +43,10 @@ pub struct Workspace {
     pub mass: TreeMatrix,
     /// Factor L with M = L^T L; its diagonal holds 1 / L_kk.
     pub factor: TreeMatrix,
+    /// Coupled joints and closed loops.
+    pub constraints: Constraints,
+    /// All velocities.
+    every: Vec<usize>,
     /// Velocities of the base, 6 or 0.
     pub(super) nb: usize,
     /// Index of each link's parent; the root's is 0.
@@ -86,6 +91,8 @@ impl Workspace {
             bias: vec![0.0; nv],
             mass: zeros.clone(),
             factor: zeros,
+            constraints: Constraints::new(model),
+            every: (0..nv).collect(),
             nb,
             parent,
             forces: vec![Force::ZERO; nl],
@@ -105,6 +112,13 @@ impl Workspace {
     pub fn support(&self, link: LinkId) -> &[usize] {
         let base = if self.nb == 6 { Base::Floating } else { Base::Fixed };
         last_velocity(base, link.0).map_or(&[], |k| self.mass.pattern().chain(k))
+    }
+
+    /// Velocities that the forces on a link change, root first: those that move it, or all where conditions
+    /// couple them.
+    #[inline(always)]
+    pub fn coupled(&self, link: LinkId) -> &[usize] {
+        if self.constraints.number() == 0 { self.support(link) } else { &self.every }
     }
 
     /// World position (m) of a point given in a link's internal frame.

@@ -60,6 +60,17 @@ fn messages() -> Vec<DescriptorProto> {
         ),
         message("Objects", [one(1, "time", DOUBLE), many(2, "poses", DOUBLE)]),
         message(
+            "Loops",
+            [
+                one(1, "time", DOUBLE),
+                many(2, "forces", VECTOR3),
+                many(3, "moments", VECTOR3),
+                many(4, "errors", DOUBLE),
+                many(5, "coupling_efforts", DOUBLE),
+                many(6, "coupling_errors", DOUBLE),
+            ],
+        ),
+        message(
             "Sole",
             [
                 one(1, "name", STRING),

@@ -156,6 +156,29 @@ pub struct Objects {
     pub poses: Vec<f64>,
 }
 
+/// Closed loops and couplings of the robot at one tick, topic `/loops`. The channel's metadata names them.
+#[derive(Clone, PartialEq, prost::Message)]
+pub struct Loops {
+    /// Simulated time, s.
+    #[prost(double, tag = "1")]
+    pub time: f64,
+    /// Force on the first link of each loop at the origin of its first frame, world, N.
+    #[prost(message, repeated, tag = "2")]
+    pub forces: Vec<Vector3>,
+    /// Moment on it, N m.
+    #[prost(message, repeated, tag = "3")]
+    pub moments: Vec<Vector3>,
+    /// Greatest error of a condition of each loop, m or rad.
+    #[prost(double, repeated, tag = "4")]
+    pub errors: Vec<f64>,
+    /// Effort of each coupling on its following joint, N m or N.
+    #[prost(double, repeated, tag = "5")]
+    pub coupling_efforts: Vec<f64>,
+    /// Position of that joint less what the coupling gives it, rad or m.
+    #[prost(double, repeated, tag = "6")]
+    pub coupling_errors: Vec<f64>,
+}
+
 /// All soles at one tick, topic `/contact`.
 #[derive(Clone, PartialEq, prost::Message)]
 pub struct Contact {

@@ -240,6 +240,8 @@ metrics! {
         "Greatest angle of an object from its initial orientation at the end.";
     final_object_speed_m_per_s("final_object_speed_m_per_s"): OptionalReal, "m/s", Simulation,
         "Greatest speed of the frame of an object at the end.";
+    max_loop_error_m("max_loop_error_m"): OptionalReal, "m", Simulation,
+        "Greatest error of a closed loop or coupling after a step, m or rad; empty without any.";
     max_estimate_error_m("max_estimate_error_m"): OptionalReal, "m", Simulation,
         "Greatest distance between the estimated base and the true one at a control tick; empty with estimator `truth`.";
     max_estimate_error_rad("max_estimate_error_rad"): OptionalReal, "rad", Simulation, "Greatest angle between them.";

@@ -99,6 +99,11 @@ pub fn set_default_drive(model: &mut Model, settings: &DriveSettings) -> Result<
 }
 
 fn configure(model: &mut Model, index: usize, s: &DriveSettings) -> Result<(), RobotError> {
+    if let Some(coupling) = model.coupling_of(JointId(index)).filter(|_| s.mode == Some(DriveMode::Kinematic)) {
+        let leader = &model.joints[coupling.leader.0].name;
+        let subject = format!("mode of joint `{}`", model.joints[index].name);
+        return Err(bad_value(subject, "kinematic", &format!("another mode: the joint follows `{leader}`")));
+    }
     let joint = &mut model.joints[index];
     // Name, value, and whether 0 is allowed.
     let values = [

@@ -4,8 +4,10 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use toml::Spanned;
 
 use super::adjustments::{DriveSettings, SolePolygon, link_names, make_sole, set_drive};
+use super::coupled_joints;
 use super::link_poses::link_poses;
-use super::model::{DriveMode, EndEffector, JointKind, LinkId, Model, Mount, SensorFrame};
+use super::loop_entries;
+use super::model::{DriveMode, EndEffector, JointId, JointKind, LinkId, Model, Mount, SensorFrame};
 use super::notices::Notices;
 use super::payload;
 use super::robot_error::{FileError, RobotError};
@@ -23,6 +25,7 @@ pub(super) fn apply(
     home(file, source, model)?;
     let kinematic = match_kinematic(file, source, model)?;
     drives(file, source, model, &kinematic)?;
+    loop_entries::add(&file.loops, source, model)?;
     payload::weld(&file.payload, source, model)?;
     if let Some(soles) = &file.sole {
         add_soles(soles, source, model, notices)?;
@@ -76,6 +79,9 @@ fn frame_pose(
     Ok((link, urdf_frame * Isometry3::from_parts(Vector3::from(position).into(), rotation)))
 }
 
+/// Greatest difference between a given home and that of the coupling it must follow, rad or m.
+const SAME_HOME: f64 = 1e-6;
+
 fn home(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), RobotError> {
     for (name, angle) in &file.home {
         let index = joint_index(name, source, model)?;
@@ -95,6 +101,18 @@ fn home(file: &RobotFile, source: &Source, model: &mut Model) -> Result<(), Robo
         }
         model.home[index] = value;
     }
+    coupled_joints::set_homes(model);
+    for (name, angle) in &file.home {
+        let index = joint_index(name, source, model)?;
+        let (given, home) = (angle.get_ref().value, model.home[index]);
+        if (given - home).abs() > SAME_HOME {
+            let leader = model.coupling_of(JointId(index)).map_or(index, |coupling| coupling.leader.0);
+            let message = format!("joint `{}` follows `{}`", name.get_ref(), model.joints[leader].name);
+            let fault = FileError::new(source, angle.span(), message).found(given);
+            let fault = fault.element(format!("home of joint `{}`", name.get_ref()));
+            return Err(fault.expected(format!("{home}, or no home of its own")).invalid());
+        }
+    }
     Ok(())
 }
 
@@ -103,9 +121,11 @@ fn match_kinematic(file: &RobotFile, source: &Source, model: &Model) -> Result<V
     let mut matched = vec![false; model.joints.len()];
     for pattern in file.kinematic.iter().flatten() {
         let mut has_match = false;
-        for (matched, joint) in
-            matched.iter_mut().zip(&model.joints).filter(|(_, j)| matches(pattern.get_ref(), &j.name))
-        {
+        // Patterns leave out following joints; a name does not, and is refused with the drives.
+        let is_meant = |j: usize, name: &str| name == pattern.get_ref() || model.coupling_of(JointId(j)).is_none();
+        let of_joints =
+            matched.iter_mut().zip(&model.joints).enumerate().filter(|(_, (_, j))| matches(pattern.get_ref(), &j.name));
+        for (_, (matched, joint)) in of_joints.filter(|(j, (_, joint))| is_meant(*j, &joint.name)) {
             (has_match, *matched) = (true, true);
             let own = file.joint.get(joint.name.as_str()).and_then(|entry| entry.get_ref().mode.as_ref());
             if let Some(mode) = own.filter(|mode| *mode.get_ref() != ModeWord::Kinematic) {
@@ -135,8 +155,11 @@ fn drives(file: &RobotFile, source: &Source, model: &mut Model, kinematic: &[boo
         None => DriveSettings::default(),
     };
     let names: Vec<String> = model.joints.iter().map(|j| j.name.clone()).collect();
-    for (name, kinematic) in names.into_iter().zip(kinematic) {
+    // A drive by default would act against the joint that another one follows.
+    let of_followers = DriveSettings { mode: None, kp: None, kd: None, lag: None, ..default };
+    for (j, (name, kinematic)) in names.into_iter().zip(kinematic).enumerate() {
         let own = file.joint.get(name.as_str());
+        let default = if model.coupling_of(JointId(j)).is_some() { of_followers } else { default };
         let span = own.or(file.joint_default.as_ref()).map_or(0..0, Spanned::span);
         let mut own = match own {
             Some(entry) => settings(entry.get_ref(), &format!("joint `{name}`"), source)?,

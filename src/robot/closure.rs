@@ -1,4 +1,5 @@
-//! Conditions that the tree of links does not contain: coupled joints and closed loops.
+//! Conditions that the tree of links does not contain: coupled joints and closed loops. Their equations are
+//! in [`crate::dynamics::constraints`].
 
 use super::model::{JointId, LinkId};
 use nalgebra::Isometry3;
@@ -8,7 +9,7 @@ use nalgebra::Isometry3;
 pub struct Coupling {
     /// The following joint.
     pub joint: JointId,
-    /// The joint it follows, whose position is x.
+    /// The joint it follows, whose position is x; itself, with a constant polynomial, if it is held.
     pub leader: JointId,
     /// `c_0` to `c_4`, rad or m over powers of rad or m.
     pub coefficients: [f64; 5],
@@ -36,6 +37,18 @@ pub enum LoopKind {
     Weld,
     /// The origins have a distance, m, above 0: a massless rod with ball joints at both ends.
     Rod(f64),
+}
+
+impl LoopKind {
+    /// Number of conditions.
+    pub fn number(self) -> usize {
+        match self {
+            LoopKind::Ball => 3,
+            LoopKind::Pin => 5,
+            LoopKind::Weld => 6,
+            LoopKind::Rod(_) => 1,
+        }
+    }
 }
 
 /// A closed loop: two frames held together.

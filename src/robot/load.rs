@@ -1,9 +1,9 @@
 //! Loads a robot: robot file and URDF to a [`Model`], its files and notices.
 
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::apply_robot_file::{apply, note_unread_force_sensors};
+use super::coupled_joints;
 use super::mesh_simplification::simplify_meshes;
 use super::model::{Base, Model};
 use super::notices::Notices;
@@ -11,7 +11,7 @@ use super::robot_error::{FileError, RobotError, read_source};
 use super::robot_file::{self, BaseWord, RobotFile};
 use super::self_collision::{self, SelfCollision};
 use super::sole_detection::find_soles;
-use super::urdf::{self, InertiaPolicy, Mimic};
+use super::urdf::{self, InertiaPolicy};
 use crate::files::input;
 use crate::text::diagnostic::Diagnostic;
 use crate::text::source::Source;
@@ -87,6 +87,8 @@ fn build(urdf: Source, file: Option<(Source, RobotFile)>, policy: Option<Inertia
     }
     let is_named = |joint: &str| file.as_ref().is_some_and(|(_, f)| f.home.contains_key(joint));
     set_default_home(&mut model, &urdf, is_named, &mut notices);
+    coupled_joints::add_mimics(&mut model, &mimics, &urdf, &mut notices);
+    coupled_joints::set_homes(&mut model);
     let mut files = Vec::new();
     let mut soles_given = false;
     let mut self_collision = SelfCollision::default();
@@ -96,7 +98,7 @@ fn build(urdf: Source, file: Option<(Source, RobotFile)>, policy: Option<Inertia
         soles_given = file.sole.is_some();
         files.push((source.path().to_owned(), source.text().as_bytes().to_vec()));
     }
-    set_mimic_homes(&mut model, mimics.iter().filter(|m| !is_named(&m.joint)));
+    coupled_joints::note_homes(&model, &urdf, &mut notices);
     if !soles_given {
         find_soles(&mut model, &urdf, &mut notices);
     }
@@ -121,27 +123,6 @@ fn warn_about_symbolic_links(files: &[(PathBuf, Vec<u8>)], urdf: &Source, notice
         let others = if more == 0 { String::new() } else { format!("; so do links of {more} more files") };
         let message = format!("a symbolic link leads out of the robot's folder: {path} is {real}{others}");
         notices.warning(urdf, urdf.text().find("<robot").unwrap_or(0), message);
-    }
-}
-
-/// Sets the home of mimic joints to that of their leader times multiplier plus offset, within
-/// limits.
-fn set_mimic_homes<'a>(model: &mut Model, mimics: impl Iterator<Item = &'a Mimic>) {
-    let joints: HashMap<&str, usize> = model.joints.iter().enumerate().map(|(i, j)| (j.name.as_str(), i)).collect();
-    let pair = |mimic: &'a Mimic| Some((mimic, *joints.get(mimic.joint.as_str())?, *joints.get(mimic.of.as_str())?));
-    let pairs: Vec<_> = mimics.filter_map(pair).collect();
-    // A mimic joint may follow another one, so rounds repeat up to the length of the longest chain.
-    for _ in &pairs {
-        let before = model.home.clone();
-        for &(mimic, joint, of) in &pairs {
-            let home = mimic.multiplier * model.home[of] + mimic.offset;
-            if home.is_finite() {
-                model.home[joint] = home.clamp(model.joints[joint].lower, model.joints[joint].upper);
-            }
-        }
-        if model.home == before {
-            break;
-        }
     }
 }
 

@@ -15,10 +15,12 @@
 pub mod adjustments;
 mod apply_robot_file;
 mod closure;
+mod coupled_joints;
 mod friction;
 mod inspect;
 mod link_poses;
 mod load;
+mod loop_entries;
 mod mesh_simplification;
 pub mod model;
 mod notices;

@@ -333,6 +333,29 @@ impl Model {
         self.joints.iter().enumerate().filter(|(_, j)| j.lag > 0.0).map(|(i, _)| JointId(i))
     }
 
+    /// The coupling that a joint follows.
+    pub fn coupling_of(&self, joint: JointId) -> Option<&Coupling> {
+        self.couplings.iter().find(|coupling| coupling.joint == joint)
+    }
+
+    /// Sets the positions of following joints to those that their leaders give them.
+    pub fn set_followers(&self, positions: &mut [f64]) {
+        for coupling in &self.couplings {
+            positions[coupling.joint.0] = coupling.evaluate(positions[coupling.leader.0]).0;
+        }
+    }
+
+    /// Moves efforts of following joints to their leaders, which have to exert them: by the slopes of the
+    /// couplings at these positions.
+    pub fn move_efforts_to_leaders(&self, positions: &[f64], efforts: &mut [f64]) {
+        // Each coupling comes after those of the joints that it follows.
+        for coupling in self.couplings.iter().rev() {
+            let slope = coupling.evaluate(positions[coupling.leader.0]).1;
+            let effort = std::mem::take(&mut efforts[coupling.joint.0]);
+            efforts[coupling.leader.0] += slope * effort;
+        }
+    }
+
     /// The joint of that name.
     pub fn joint(&self, name: &str) -> Option<JointId> {
         self.joints.iter().position(|j| j.name == name).map(JointId)

@@ -49,6 +49,10 @@ pub struct RobotFile {
     /// which `*` matches any characters and `?` one.
     #[schemars(with = "Option<Vec<String>>")]
     pub kinematic: Option<Vec<Spanned<String>>>,
+    /// Closed loops.
+    #[serde(default, rename = "loop")]
+    #[schemars(with = "Vec<LoopEntry>")]
+    pub loops: Vec<Spanned<LoopEntry>>,
     /// Frames of interest.
     #[serde(default)]
     #[schemars(with = "Vec<Frame>")]
@@ -209,6 +213,60 @@ pub struct StopEntry {
     /// N m s/rad or N s/m; 0.
     #[schemars(with = "Option<f64>", range(min = 0.0))]
     pub damping: Option<Spanned<f64>>,
+}
+
+/// What a loop holds.
+#[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq, Debug)]
+#[serde(rename_all = "kebab-case")]
+pub enum LoopWord {
+    /// The points of both sides coincide.
+    #[serde(alias = "point")]
+    Ball,
+    /// The points coincide and the axes are parallel: a hinge.
+    Pin,
+    /// Both frames coincide.
+    Weld,
+    /// The points keep a distance: a massless rod with ball joints at both ends.
+    Rod,
+}
+
+/// A closed loop: two links, or a link and the world, held together.
+#[derive(Deserialize, JsonSchema, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct LoopEntry {
+    /// Name, unique among the loops.
+    pub name: String,
+    /// What is held; `"point"` is `"ball"`.
+    #[serde(rename = "type")]
+    pub kind: LoopWord,
+    /// The first link.
+    #[schemars(with = "String")]
+    pub link: Spanned<String>,
+    /// The second link, or `"world"`.
+    #[schemars(with = "String")]
+    pub to: Spanned<String>,
+    /// Point in the first link's URDF frame, m; 0 0 0.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub position: Option<Spanned<[f64; 3]>>,
+    /// Point in the second link's URDF frame, or in the world, m; left out: where the first one is in the home
+    /// posture, with the root at the world's origin.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub to_position: Option<Spanned<[f64; 3]>>,
+    /// Of a pin: axis in the first link's URDF frame; z.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub axis: Option<Spanned<[f64; 3]>>,
+    /// Of a pin: axis in the second link's URDF frame, or in the world; left out: as at home.
+    #[schemars(with = "Option<[f64; 3]>")]
+    pub to_axis: Option<Spanned<[f64; 3]>>,
+    /// Of a weld: roll, pitch, yaw of the frame on the first link; 0 0 0.
+    #[schemars(with = "Option<[Angle; 3]>")]
+    pub rpy: Option<Spanned<[Angle; 3]>>,
+    /// Of a weld: those of the frame on the second link, or in the world; left out: as at home.
+    #[schemars(with = "Option<[Angle; 3]>")]
+    pub to_rpy: Option<Spanned<[Angle; 3]>>,
+    /// Of a rod: length, m, above 0; left out: the distance of the points at home.
+    #[schemars(with = "Option<f64>", extend("exclusiveMinimum" = 0))]
+    pub length: Option<Spanned<f64>>,
 }
 
 /// A frame fixed to a link.

@@ -36,6 +36,11 @@ pub struct Snapshot {
     pub qd_desired: Vec<f64>,
     /// Poses of the links of all objects in the world.
     pub object_poses: Vec<Isometry3<f64>>,
+    /// Of each closed loop: force and moment on its first link at its first frame, world, and the greatest error
+    /// of its conditions, m or rad.
+    pub loops: Vec<([Vector3<f64>; 2], f64)>,
+    /// Of each coupling: effort on the following joint, and error of its position, rad or m.
+    pub couplings: Vec<(f64, f64)>,
     /// Centre of mass.
     pub com: Vector3<f64>,
     /// Velocity of the centre of mass.

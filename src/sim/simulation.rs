@@ -262,6 +262,7 @@ impl Simulation {
         let run = &mut self.run;
         run.emit_last_step(observer)?;
         run.plant.evaluate();
+        run.plant.update_multipliers();
         if let Some(sampler) = &mut run.sampler {
             sampler.sample_end(&run.plant, observer)?;
         }
@@ -359,6 +360,7 @@ fn check_fallen(run: &mut RunState, observer: &mut dyn Observer) -> Result<(), R
     run.event(observer, EventKind::Fallen, &subject, &message)?;
     run.emit_last_step(observer)?;
     run.plant.evaluate();
+    run.plant.update_multipliers();
     run.emit_snapshot(observer)?;
     Err(RunError::new(Outcome::Fallen, message))
 }

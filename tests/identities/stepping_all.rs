@@ -215,6 +215,22 @@ function run(robot)
     return { { link = 'torso', point = { 0, 0, 0.1 }, force = { -2 * v[1], 0, 0 } } }
 end";
 
+/// Closed loops and couplings, with contact, in both steppers.
+#[test]
+fn closed_loops_and_couplings_allocate_nothing() {
+    for integrator in ["", "integrator = { method = \"semi-implicit\", step = 1e-3 }"] {
+        let ankle = format!("duration = 2.0\n{integrator}\nrobot.model = \"robots/ankle/ankle.toml\"\n");
+        let gripper = format!(
+            "duration = 2.0\nfloor.plane = false\n{integrator}\n[robot]\nmodel = \"robots/gripper/gripper.toml\"\n\
+             joint = {{ lift = {{ mode = \"kinematic\" }} }}\n"
+        );
+        for text in [ankle, gripper] {
+            let (steps, allocations) = quiet(&text, (0.3, 0.3));
+            assert!(steps > 0 && allocations == 0, "{allocations} allocations in {steps} steps\n{text}");
+        }
+    }
+}
+
 /// Scripts allocate in Luau's heap, which its collector empties, so the memory in use does not grow
 /// with time. Otherwise a task allocates nothing. A force, whose `run` returns tables, may make a
 /// few small allocations in each call.

@@ -6,3 +6,4 @@ mod contact;
 mod context;
 mod dynamics;
 mod dynamics_oracle;
+mod loops;

@@ -76,6 +76,7 @@ pub fn metrics() -> Metrics {
         final_object_shift_m: Some(0.3),
         final_object_turn_rad: Some(0.4),
         final_object_speed_m_per_s: None,
+        max_loop_error_m: Some(1e-15),
         max_estimate_error_m: Some(0.002),
         max_estimate_error_rad: None,
         final_estimate_error_m: Some(1e-3),

@@ -192,6 +192,8 @@ pub fn snapshot(tick: usize) -> Snapshot {
         effort_desired: vec![wobble(tick, 10), wobble(tick, 11)],
         q_desired: vec![wobble(tick, 7), wobble(tick, 8)],
         qd_desired: vec![wobble(tick, 9), 0.0],
+        loops: Vec::new(),
+        couplings: Vec::new(),
         object_poses: Vec::new(),
         com: vector(tick, 200),
         com_velocity: vector(tick, 203),

@@ -1,7 +1,7 @@
 //! Joints with several or dependent motions, and vectors with commas.
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use stiction::robot::{Base, DriveMode, JointKind, Model};
+use stiction::robot::{Base, DriveMode, JointId, JointKind, Model};
 
 use super::{BODY, load_toml, load_urdf};
 
@@ -63,7 +63,7 @@ fn a_floating_joint_under_a_massless_root_is_the_base() {
 }
 
 #[test]
-fn a_mimic_joint_is_independent_and_its_home_follows() {
+fn a_mimic_joint_follows() {
     let joint = |name: &str, parent: &str, child: &str, inside: &str| {
         format!(
             "<link name=\"{child}\">{BODY}</link><joint name=\"{name}\" type=\"revolute\"><parent link=\"{parent}\"/>\
@@ -81,12 +81,54 @@ fn a_mimic_joint_is_independent_and_its_home_follows() {
     let home = |name: &str| robot.model.home[robot.model.joint(name).unwrap().0];
     assert_eq!(robot.model.nj(), 3);
     assert_eq!([home("leader"), home("next"), home("last")], [0.4, 0.5 * 0.4 + 0.1, -(0.5 * 0.4 + 0.1)]);
-    let notice = robot.notices.iter().filter(|n| n.message.contains("it is taken as independent")).count();
-    assert_eq!(notice, 2, "{:?}", robot.notices);
-    // A home given by the robot file takes precedence, and limits hold.
-    let robot =
-        load_toml("urdf = \"robot.urdf\"\n[home]\nleader = 1.0\nlast = 0.25", &urdf.replace("0.5", "5")).unwrap();
-    assert_eq!(robot.model.home, [0.25, 1.0, 1.0]);
+    // Couplings come after those of the joints that they follow, and followers have no drive.
+    let name = |id: JointId| robot.model.joints[id.0].name.as_str();
+    let couplings: Vec<_> = robot.model.couplings.iter().map(|c| (name(c.joint), name(c.leader))).collect();
+    assert_eq!(couplings, [("next", "leader"), ("last", "next")]);
+    assert_eq!(robot.model.couplings[0].coefficients, [0.1, 0.5, 0.0, 0.0, 0.0]);
+    assert_eq!(robot.model.couplings[1].evaluate(0.3), (-0.3, -1.0, 0.0));
+    let joint = |name: &str| &robot.model.joints[robot.model.joint(name).unwrap().0];
+    assert_eq!(joint("last").drive.mode, DriveMode::Passive);
+    assert!(joint("last").drive_configured && !joint("leader").drive_configured);
+    // A drive by default is for leaders; one by name for any joint, but a follower is not kinematic.
+    let file = "urdf = \"robot.urdf\"\njoint_default = { kp = 5.0, kd = 1.0, armature = 0.1 }\njoint.next = { mode = \"position\", kp = 2.0 }\n";
+    let robot = load_toml(file, &urdf).unwrap();
+    let joint = |name: &str| &robot.model.joints[robot.model.joint(name).unwrap().0];
+    assert_eq!([joint("leader"), joint("next"), joint("last")].map(|j| j.drive.kp), [5.0, 2.0, 0.0]);
+    assert_eq!([joint("leader"), joint("next"), joint("last")].map(|j| j.armature), [0.1; 3]);
+    let robot = load_toml("urdf = \"robot.urdf\"\nkinematic = [\"*\"]", &urdf).unwrap();
+    let modes: Vec<DriveMode> = robot.model.joints.iter().map(|j| j.drive.mode).collect();
+    assert_eq!(modes, [DriveMode::Passive, DriveMode::Passive, DriveMode::Kinematic]);
+    for kinematic in ["kinematic = [\"next\"]", "joint.next.mode = \"kinematic\""] {
+        let error = load_toml(&format!("urdf = \"robot.urdf\"\n{kinematic}"), &urdf).unwrap_err().to_string();
+        assert!(error.contains("mode of joint `next`") && error.contains("the joint follows `leader`"), "{error}");
+    }
+    // A home that the coupling does not give is an error; one that it gives is not.
+    let with_home =
+        |last: f64| load_toml(&format!("urdf = \"robot.urdf\"\n[home]\nleader = 0.4\nlast = {last}"), &urdf);
+    assert!(with_home(-0.3).is_ok());
+    let error = with_home(0.25).unwrap_err().to_string();
+    assert!(error.contains("joint `last` follows `next`") && error.contains("-0.3"), "{error}");
+    // One outside the limits is noted.
+    let robot = load_toml("urdf = \"robot.urdf\"\n[home]\nleader = 1.0", &urdf.replace("0.5", "5")).unwrap();
+    assert_eq!(robot.model.home, [-5.1, 5.1, 1.0]);
+    assert_eq!(robot.notices.iter().filter(|n| n.message.contains("is outside its limits")).count(), 2);
+}
+
+/// A joint that follows a fixed one is held.
+#[test]
+fn a_mimic_of_a_joint_that_does_not_move_is_held() {
+    let urdf = two(
+        "revolute",
+        "<axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/><mimic joint=\"f\" offset=\"0.5\"/>",
+    );
+    let fixed =
+        "<link name=\"c\"/><joint name=\"f\" type=\"fixed\"><parent link=\"a\"/><child link=\"c\"/></joint></robot>";
+    let robot = load_urdf(&urdf.replace("</robot>", fixed)).unwrap();
+    let coupling = robot.model.couplings[0];
+    assert_eq!((coupling.joint, coupling.leader, coupling.evaluate(0.2)), (JointId(0), JointId(0), (0.5, 0.0, 0.0)));
+    assert_eq!(robot.model.home, [0.5]);
+    assert!(robot.notices.iter().any(|n| n.message.contains("it is held at 0.5")), "{:?}", robot.notices);
 }
 
 #[test]

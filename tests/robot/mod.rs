@@ -4,6 +4,7 @@ mod adjust;
 mod broken_file;
 mod broken_urdf;
 mod cbi;
+mod closed_loops;
 mod convention;
 mod example_robots;
 mod figures;

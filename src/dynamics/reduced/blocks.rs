@@ -26,9 +26,9 @@ impl Reduced {
         for other in 0..=s {
             let first = self.terms.len();
             for a in &self.sides[self.sides(s)] {
-                let chain = ws.get(a.body.mechanism).support(a.body.link);
+                let chain = ws.get(a.body.mechanism).coupled(a.body.link);
                 for b in self.sides[self.sides(other)].iter().filter(|b| b.body.mechanism == a.body.mechanism) {
-                    let of_b = ws.get(b.body.mechanism).support(b.body.link);
+                    let of_b = ws.get(b.body.mechanism).coupled(b.body.link);
                     let length = chain.iter().zip(of_b).take_while(|(i, j)| i == j).count();
                     if length > 0 {
                         self.terms.push(Term { a: a.start, b: b.start, length });

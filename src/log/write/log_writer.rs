@@ -7,6 +7,7 @@ use crate::log::write::event_topics::EventTopics;
 use crate::log::write::frames_topic::{FramesTopic, world_frame};
 use crate::log::write::log_header::LogHeader;
 use crate::log::write::log_output::LogOutput;
+use crate::log::write::loops_topic::LoopsTopic;
 use crate::log::write::marker_topic::MarkerTopic;
 use crate::log::write::message_sink::MessageSink;
 use crate::log::write::objects_topic::ObjectsTopic;
@@ -41,6 +42,9 @@ fn open_topics(output: &mut LogOutput, model: &Model, header: &LogHeader) -> Res
     }
     if !header.objects.is_empty() && (header.topics.state || header.topics.contact) {
         topics.all.push(Box::new(ObjectsTopic::open(output, header.objects)?));
+    }
+    if !(model.loops.is_empty() && model.couplings.is_empty()) && (header.topics.state || header.topics.contact) {
+        topics.all.push(Box::new(LoopsTopic::open(output, model)?));
     }
     if header.topics.scene {
         topics.viewers.push(Box::new(FramesTopic::open(output, model, header)?));

@@ -17,6 +17,7 @@ mod frames_topic;
 mod log_header;
 mod log_output;
 mod log_writer;
+mod loops_topic;
 mod marker_topic;
 mod message_sink;
 mod objects_topic;

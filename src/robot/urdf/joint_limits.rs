@@ -42,10 +42,11 @@ pub(in crate::robot) struct Mimic {
     pub of: String,
     pub multiplier: f64,
     pub offset: f64,
+    /// Position of the element in the file.
+    pub at: usize,
 }
 
-/// The `<mimic>` of a joint. There is no constraint that would make the joint follow exactly: it is
-/// independent, with its own drive, and only its home follows.
+/// The `<mimic>` of a joint.
 pub(super) fn mimic(xml: &Xml, node: Node, notices: &mut Notices) -> Option<Mimic> {
     let mimic = child(node, "mimic")?;
     let joint = node.attribute("name").unwrap_or_default().to_owned();
@@ -55,10 +56,8 @@ pub(super) fn mimic(xml: &Xml, node: Node, notices: &mut Notices) -> Option<Mimi
         return None;
     }
     let of = mimic.attribute("joint").unwrap_or_default().to_owned();
-    let message = format!("joint `{joint}` mimics joint `{of}`: it is taken as independent, only its home follows");
-    notices.warning(xml.source, at, message);
     let number = |name, default| mimic.attribute(name).and_then(|text| text.trim().parse().ok()).unwrap_or(default);
-    Some(Mimic { joint, of, multiplier: number("multiplier", 1.0), offset: number("offset", 0.0) })
+    Some(Mimic { joint, of, multiplier: number("multiplier", 1.0), offset: number("offset", 0.0), at })
 }
 
 /// Greatest number of joints of a ring that a message names.
@@ -92,7 +91,7 @@ pub(super) fn remove_invalid_mimics(mimics: &mut Vec<Mimic>, xml: &Xml, notices:
             continue;
         };
         let at = child(node_of(joint), "mimic").unwrap_or(xml.robot).range().start;
-        notices.warning(xml.source, at, format!("{message}: the home of `{joint}` does not follow"));
+        notices.warning(xml.source, at, format!("{message}: `{joint}` is independent"));
         invalid.insert(joint.clone());
     }
     mimics.retain(|m| !invalid.contains(&m.joint));

@@ -139,5 +139,7 @@ impl RunState {
         let mechanisms = plant.objects.mechanisms(&plant.ws);
         reduced::apply(mechanisms, &mut plant.reduced, &self.projection.wrench, &mut self.displacement);
         plant.displace(&self.displacement);
+        // The displacement is along the conditions of couplings and loops; what they curve away is left.
+        plant.close_conditions();
     }
 }

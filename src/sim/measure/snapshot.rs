@@ -104,6 +104,10 @@ pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
             out.object_poses.push(Isometry3::from_parts(origin, rotation) * link.urdf_frame);
         }
     }
+    out.loops.clear();
+    out.loops.extend(plant.loop_loads());
+    out.couplings.clear();
+    out.couplings.extend(plant.coupling_efforts());
     out.com = body::center_of_mass(&plant.ws);
     out.com_velocity = body::center_of_mass_velocity(&plant.ws);
     out.external.clone_from(&plant.arrows);

@@ -9,7 +9,7 @@
 //!
 //! M- and M+ are the mass matrices without and with the object, J the Jacobian of its centre of
 //! mass, J_c^T Lambda the impulses of the contact method at the soles, computed from the velocities
-//! that follow from the first two terms. Kinematic joints keep their motions.
+//! that follow from the first two terms. Kinematic joints keep their motions, and couplings and loops hold.
 
 use super::Plant;
 use crate::dynamics::{self, DynamicsError, crba, factor};
@@ -64,7 +64,7 @@ impl Plant {
         let mut dv = excess.clone();
         prescribed.iter().for_each(|k| dv[*k] = 0.0);
         factor::factorize_prescribed(&mut self.ws, &vec![0.0; dv.len()], prescribed)?;
-        factor::solve(&self.ws, &mut dv);
+        factor::solve_coupled(&self.ws, &mut dv);
         self.ws.mass.multiply(&dv, &mut other);
         let drives = prescribed.iter().map(|&k| self.state.v[k] * (other[k] - excess[k])).sum();
         self.state.v.iter_mut().zip(&dv).for_each(|(v, dv)| *v += dv);

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! M_ff a_f = tau_f - h_f - M_fk a_k + J_f^T w        free velocities f, prescribed accelerations a_k
-//! tau_k    = (M a + h - J^T w - passive - external)_k       efforts of the prescribed joints' drives
+//! tau_k    = (M a + h - J^T w - G^T lambda - passive - external)_k    efforts of the prescribed joints' drives
 //! ```
 //!
 //! This is a rheonomic constraint on the joint, by elimination: it adds no stiffness and works for
@@ -105,11 +105,12 @@ impl Plant {
     /// evaluation.
     pub(super) fn drive_reactions(&mut self) {
         let nb = self.model.nb();
+        self.update_multipliers();
         self.ws.mass.multiply(&self.acceleration, &mut self.scratch);
         for &j in self.kinematic_paths.joints() {
             let k = nb + j;
-            let contact = self.contact_load(&self.solution.wrench, k);
-            self.drives.efforts[j] = self.scratch[k] + self.ws.bias[k] - contact - self.passive[j] - self.external[k];
+            let reactions = self.contact_load(&self.solution.wrench, k) + self.condition_load(k);
+            self.drives.efforts[j] = self.scratch[k] + self.ws.bias[k] - reactions - self.passive[j] - self.external[k];
             self.drives.servo[j] = self.drives.efforts[j];
         }
     }
@@ -131,7 +132,7 @@ impl Plant {
             let contact = self.contact_load(&self.solution.wrench, k);
             // Passive efforts with the implicit terms of the step, as in `step_flows`.
             let implicit = self.implicit_passive[j] + self.implicit_external[k];
-            let others = self.external[k] + self.passive[j] - implicit * dv[k] / dt;
+            let others = self.external[k] + self.passive[j] - implicit * dv[k] / dt + self.condition_load(k);
             self.drives.efforts[j] = (self.scratch[k] - contact) / dt + self.ws.bias[k] - others;
             self.drives.servo[j] = self.drives.efforts[j];
         }
@@ -162,6 +163,11 @@ impl Plant {
     /// `sum v_k (M v)_k` over the prescribed velocities, after [`Plant::kinetic_energy`].
     fn prescribed_momentum_work(&self) -> f64 {
         self.reduced.prescribed.iter().map(|&k| self.state.v[k] * self.scratch[k]).sum()
+    }
+
+    /// Generalised force of couplings and loops in coordinate `k`.
+    fn condition_load(&self, k: usize) -> f64 {
+        if self.multipliers.is_empty() { 0.0 } else { self.ws.constraints.load(&self.multipliers, k) }
     }
 
     /// Generalised contact force in coordinate `k`.

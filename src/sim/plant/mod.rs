@@ -3,12 +3,14 @@
 //! [`Plant`] evaluates the right-hand side: kinematics, efforts, the reduced contact problem,
 //! wrenches and accelerations. The other files are parts of it: the layout of the integrator's
 //! vector, implicit dampers, kinematic joints as constraints, sliding directions, friction regions
-//! of the vertices, loads and impulses on the soles, energies and powers, objects besides the robot.
+//! of the vertices, loads and impulses on the soles, energies and powers, objects besides the robot,
+//! couplings and closed loops.
 //!
 //! Imports actuation, floor, contact, dynamics and force. Called by every other module of sim;
 //! independent of [`Simulation`](super::Simulation), tasks, observers and metrics.
 
 mod carried_mass;
+mod conditions;
 mod contact_stiffness;
 mod drive_stiffness;
 pub mod energy;

@@ -11,7 +11,7 @@
 
 use super::object_forces::ObjectForces;
 use crate::dynamics::reduced::Mechanisms;
-use crate::dynamics::{DynamicsError, State, Workspace, body, crba, factor, kinematics, rnea};
+use crate::dynamics::{DynamicsError, State, Workspace, body, closing, crba, factor, kinematics, rnea};
 use crate::robot::{Link, Model};
 use crate::sim::actuation::drives::Drives;
 use crate::sim::actuation::effort_slopes::DrivesAt;
@@ -95,6 +95,19 @@ impl Object {
         true
     }
 
+    /// Removes the errors of couplings and loops from the state. Returns whether it has any.
+    ///
+    /// # Errors
+    /// A mass matrix that cannot be factorised.
+    fn close(&mut self, ws: &mut Workspace) -> Result<bool, DynamicsError> {
+        if ws.constraints.number() == 0 {
+            return Ok(false);
+        }
+        closing::project(&self.model, &mut self.state, &[], ws)?;
+        self.kinematics_state.copy_from(&self.state);
+        Ok(true)
+    }
+
     /// Bias, mass matrix and its factor, and the generalised force in `tau`; with a step size those of a
     /// velocity-level step.
     fn evaluate(
@@ -104,6 +117,7 @@ impl Object {
         dt: Option<f64>,
         tau: &mut [f64],
     ) -> Result<(), DynamicsError> {
+        ws.constraints.set_step(dt);
         rnea::bias(ws, gravity);
         crba::mass_matrix(&self.model, ws);
         self.drives.begin_step();
@@ -113,7 +127,7 @@ impl Object {
         for ((free, tau), h) in self.scratch.iter_mut().zip(tau.iter()).zip(&ws.bias) {
             *free = tau - h;
         }
-        factor::solve(ws, &mut self.scratch);
+        factor::solve_coupled(ws, &mut self.scratch);
         let nb = self.model.nb();
         let (rates, free) = (&self.state.v[nb..], &self.scratch[nb..]);
         // Both are evaluated: each marks joints.
@@ -275,6 +289,18 @@ impl Objects {
             object.evaluate(ws, gravity, dt, tau)?;
         }
         Ok(())
+    }
+
+    /// Removes the errors of couplings and loops from the states. Returns whether there are any.
+    ///
+    /// # Errors
+    /// A mass matrix that cannot be factorised.
+    pub fn close(&mut self) -> Result<bool, DynamicsError> {
+        let mut any = false;
+        for (object, ws) in self.list.iter_mut().zip(&mut self.ws) {
+            any |= object.close(ws)?;
+        }
+        Ok(any)
     }
 
     /// Adds changes of all velocities to those of the objects.

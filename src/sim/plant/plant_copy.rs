@@ -55,6 +55,7 @@ impl Plant {
             kinematic_paths: self.kinematic_paths.clone(),
             prescribed_acceleration: self.prescribed_acceleration.clone(),
             scratch: self.scratch.clone(),
+            multipliers: self.multipliers.clone(),
             jump: self.jump.clone(),
             evaluations: self.evaluations,
             failure: self.failure,

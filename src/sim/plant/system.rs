@@ -165,6 +165,8 @@ pub struct Plant {
     /// Prescribed accelerations, by joint.
     pub(super) prescribed_acceleration: Vec<f64>,
     pub(super) scratch: Vec<f64>,
+    /// Multipliers of the robot's couplings and loops.
+    pub(super) multipliers: Vec<f64>,
     /// Change of all velocities by impulses.
     pub(super) jump: Vec<f64>,
     /// Evaluations so far.
@@ -227,6 +229,7 @@ impl Plant {
             kinematic_paths: KinematicPaths::new(nj, setup.interpolates_commands),
             prescribed_acceleration: vec![0.0; nj],
             scratch: vec![0.0; all],
+            multipliers: vec![0.0; ws.constraints.number()],
             jump: vec![0.0; all],
             evaluations: 0,
             failure: None,
@@ -347,6 +350,7 @@ impl Plant {
     }
 
     fn finish_free(&mut self, dt: Option<f64>) {
+        self.ws.constraints.set_step(dt);
         rnea::bias(&mut self.ws, &self.gravity);
         crba::mass_matrix(&self.model, &mut self.ws);
         let prescribed = &self.reduced.prescribed;

@@ -156,6 +156,10 @@ impl RunState {
     pub fn measure_step(&mut self) {
         self.milestones.record_step(&self.plant, &mut self.metrics);
         self.residuals.record_step(&mut self.plant, self.tolerances.distance);
+        if self.plant.has_conditions() {
+            let error = self.plant.condition_error();
+            self.metrics.max_loop_error_m = Some(self.metrics.max_loop_error_m.unwrap_or(0.0).max(error));
+        }
     }
 
     /// Measures the error of the energy balance at the plant's present state, which must be

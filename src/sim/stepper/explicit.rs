@@ -3,7 +3,7 @@
 //! A step integrates with the contact states held. Event functions, all positive while those states
 //! are valid, are evaluated at the end of the step. When one has changed sign, event location finds
 //! the first crossing on the dense output, the step is repeated to that instant, and the states are
-//! chosen again. After every step the drift of clamped soles is removed.
+//! chosen again. After every step the drift of couplings, loops and clamped soles is removed.
 
 use super::Discontinuity;
 use super::method_pair::MethodPair;
@@ -200,8 +200,8 @@ impl ExplicitStepper {
         self.emit_dense_output(sim, t0, t1, h, observer)?;
         sim.plant.unpack(t1, self.pair.end());
         sim.energy.flows = layout.flows(self.pair.end());
-        if located {
-            // Event location may end with the plant anywhere in the step.
+        // Event location may end with the plant anywhere in the step.
+        if sim.plant.close_conditions() | located {
             sim.plant.evaluate();
         }
         sim.plant.end_sole_impulses(h);
@@ -417,12 +417,14 @@ impl ExplicitStepper {
         while let Some(t) = due(sim.log.next()).into_iter().chain(due(sim.next_sample())).reduce(f64::min) {
             self.pair.interpolate(((t - t0) / h).clamp(0.0, 1.0), &mut self.dense);
             sim.plant.unpack(t, &self.dense);
+            sim.plant.close_conditions();
             sim.plant.evaluate();
             sim.energy.flows = sim.plant.layout.flows(&self.dense);
             if sim.next_sample() == Some(t) {
                 sim.sample_state(observer)?;
             }
             if sim.log.next() == Some(t) {
+                sim.plant.update_multipliers();
                 sim.emit_snapshot(observer)?;
             }
         }

@@ -109,6 +109,7 @@ fn coast(sim: &mut RunState, dt: f64, end: f64) {
     plant.state.time = end;
     plant.objects.set_time(end);
     plant.apply_prescribed_positions();
+    plant.close_conditions();
     plant.refresh();
 }
 
@@ -130,6 +131,7 @@ pub(super) fn apply_step(sim: &mut RunState, dt: f64, end: f64) {
     plant.add_present_forces(1.0);
     let nb = plant.model.nb();
     plant.drives.average_over_step(&sim.displacement[nb..], dt);
+    plant.update_multipliers_over_step(dt);
     plant.drive_reactions_over_step(&sim.displacement, dt);
     let (flows, jumps) = plant.step_flows(&sim.displacement, dt);
     sim.energy.flows.add(&flows);
@@ -145,12 +147,14 @@ pub(super) fn apply_step(sim: &mut RunState, dt: f64, end: f64) {
     plant.state.time = end;
     plant.objects.set_time(end);
     plant.apply_prescribed_positions();
+    plant.close_conditions();
     plant.refresh();
 }
 
 /// Turns the impulses solved for into forces over a step of size `dt`, without moving the plant.
 pub(super) fn show_forces(sim: &mut RunState, dt: f64) {
     displace(sim, dt);
+    sim.plant.update_multipliers_over_step(dt);
     sim.plant.drive_reactions_over_step(&sim.displacement, dt);
     sim.plant.solution.scale(1.0 / dt);
     sim.plant.evaluate_step_loads();

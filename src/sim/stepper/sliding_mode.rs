@@ -302,6 +302,7 @@ impl SlidingMode {
         sim.plant.unpack(t1, &self.halves);
         sim.energy.flows = layout.flows(&self.halves);
         sim.plant.apply_prescribed_positions();
+        sim.plant.close_conditions();
         check_finite(&sim.plant)?;
         sim.plant.evaluate_free();
         sim.anchor_changed(&states);

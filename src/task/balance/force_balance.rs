@@ -322,6 +322,7 @@ impl Task for ForceBalance {
         self.set_support_efforts(context, &total);
         self.add_joint_control(context, command);
         let nb = context.model.nb();
+        context.model.move_efforts_to_leaders(context.q(), &mut self.effort[nb..]);
         for &JointId(j) in &self.joints {
             command.mode[j] = DriveMode::Force;
             command.effort[j] = self.effort[nb + j];

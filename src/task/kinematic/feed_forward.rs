@@ -54,4 +54,5 @@ pub fn efforts(
             out[k - nb] -= jacobian::column(&planned.ws, k, &point).linear.dot(&carried);
         }
     }
+    model.move_efforts_to_leaders(&planned.state.joints, out);
 }
