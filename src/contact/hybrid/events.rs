@@ -11,6 +11,7 @@
 //! | sliding velocity along the reference direction | stick, or reversal |
 //! | height of a vertex over a compliant floor, or its depth | entering or leaving it |
 //! | gap of the nearest point of bodies that is no vertex | touch-down of another point |
+//! | acceleration allowed in clamped directions less the greatest one | conditions that contradict each other |
 //! | distance of a sliding or rolling vertex to the border of its friction region | other friction |
 
 use crate::contact::methods::penalty;
@@ -18,7 +19,9 @@ use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::{Problem, TOUCHING, Tolerances};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, SoleState, States};
-use crate::contact::search::judge::{CLEAR, SUSPECT_FRICTION, SUSPECT_NORMAL, margin};
+use crate::contact::search::judge::{
+    CLEAR, CONTRADICTED, SUSPECT_FRICTION, SUSPECT_NORMAL, greatest_contradiction, margin,
+};
 use nalgebra::Vector2;
 
 /// Inputs of event functions: the contact problem, the current states and their solution.
@@ -40,6 +43,8 @@ pub(crate) struct ContactInForce<'a> {
     pub regions: Option<&'a dyn FrictionBorders>,
     /// Contacts that are no vertices of the problem.
     pub touching: &'a dyn ContactGaps,
+    /// Whether conditions may contradict each other: motions are prescribed, or links coupled.
+    pub may_contradict: bool,
     /// Whether the state of a sole is imposed; it then ends at a set time, not at an event.
     pub is_imposed: &'a dyn Fn(usize) -> bool,
 }
@@ -81,6 +86,7 @@ enum Function {
     Slide(usize, usize, f64),
     Border(usize, usize, Vector2<f64>),
     Touch(usize),
+    Contradiction,
 }
 
 /// The event functions of one step.
@@ -140,6 +146,9 @@ impl EventFunctions {
                 }
             }
         }
+        if now.may_contradict {
+            self.functions.push(Function::Contradiction);
+        }
     }
 
     /// Number of functions of the step.
@@ -193,6 +202,7 @@ impl EventFunctions {
                     p.soles[s].vertices[i].velocity.xy().dot(&now.directions[s][i]) + allowed
                 }
                 Function::Touch(i) => now.touching.gap(i),
+                Function::Contradiction => CONTRADICTED - greatest_contradiction(p, now.states, now.solution),
                 Function::Border(s, i, _) => now.regions.map_or(f64::INFINITY, |regions| regions.border(s, i)),
             };
         }

@@ -94,6 +94,35 @@ impl Assessment {
 /// speed: far above rounding, far below the deviation that contradicting targets cause.
 const MISSED: f64 = 1e-6;
 
+/// Part of the accelerations without contact that clamped vertices may have in directions that their states
+/// clamp: far above rounding and the digits of robot files. A solution has more where conditions contradict
+/// each other, such as those of a body that rests and is moved by a link with a prescribed motion.
+pub(crate) const CONTRADICTED: f64 = 1e-6;
+
+/// Greatest acceleration of a clamped vertex of sole `s` in the directions that its state clamps: normal,
+/// tangential, relative to `scale`.
+fn contradiction(p: &Problem, states: &States, s: usize, solution: &Solution, scale: f64) -> (f64, f64) {
+    let (state, k) = (states[s], p.soles[s].vertices.len());
+    let clamped = (0..k).filter(|i| state.clamps(*i, k)).map(|i| (i, p.vertex_motion(&solution.motion, s, i) / scale));
+    clamped.fold((0.0, 0.0), |(normal, tangential): (f64, f64), (i, motion)| {
+        let holds = state.is_static() || state.mode == Mode::Pivoting(i as u8);
+        (normal.max(motion.z.abs()), if holds { tangential.max(motion.xy().norm()) } else { tangential })
+    })
+}
+
+/// Greatest acceleration of a contact without contact forces, m/s^2, at least 1.
+fn greatest_drive(p: &Problem) -> f64 {
+    let linear = p.b.chunks_exact(6).flat_map(|b| &b[..3]);
+    linear.fold(1.0, |most: f64, b| most.max(b.abs()))
+}
+
+/// The greatest such acceleration of all soles.
+pub(crate) fn greatest_contradiction(p: &Problem, states: &States, solution: &Solution) -> f64 {
+    let scale = greatest_drive(p);
+    let each = (0..p.soles.len()).map(|s| contradiction(p, states, s, solution, scale));
+    each.fold(0.0, |most: f64, (normal, tangential)| most.max(normal).max(tangential))
+}
+
 /// Order of two numbers; differences that the order of summation can cause count as equal.
 fn compare_clearly(a: f64, b: f64) -> Ordering {
     if (a - b).abs() <= 1e-9 * (a.abs() + b.abs()) { Ordering::Equal } else { a.total_cmp(&b) }
@@ -117,12 +146,23 @@ pub struct Rules {
     pub rounding: f64,
     /// Whether all states are searched as a last resort.
     pub exhaustive: bool,
+    /// Whether conditions may contradict each other: motions are prescribed, or links coupled. Otherwise
+    /// contradictions are errors of the state within the tolerances.
+    pub may_contradict: bool,
 }
 
 impl Rules {
     /// Rules without a suspicion.
     pub fn new(tolerances: Tolerances, previous: States) -> Self {
-        Rules { tolerances, previous, suspect: PerSole::default(), hops: false, rounding: ROUNDING, exhaustive: true }
+        Rules {
+            tolerances,
+            previous,
+            suspect: PerSole::default(),
+            hops: false,
+            rounding: ROUNDING,
+            exhaustive: true,
+            may_contradict: false,
+        }
     }
 
     /// Suspicions of a sole. Impulses are not the loads that reached their limits.
@@ -149,7 +189,7 @@ pub const CLEAR: f64 = 1e-9;
 pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, rules: &Rules) -> Assessment {
     let tol = &rules.tolerances;
     let mut assessment = Assessment::default();
-    let speed = greatest_speed(p);
+    let (speed, scale) = (greatest_speed(p), greatest_drive(p));
     for (s, sole) in p.soles.iter().enumerate() {
         let state = states[s];
         let mut faults = Faults::default();
@@ -189,6 +229,17 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
         if state == SoleState::FREE {
             assessment.faults.set(s, faults);
             continue;
+        }
+        if rules.may_contradict && p.level == Level::Acceleration {
+            let (normal, tangential) = contradiction(p, states, s, solution, scale);
+            if normal > CONTRADICTED {
+                assessment.levels[1] += normal;
+                faults.pulling = true;
+            }
+            if tangential > CONTRADICTED {
+                assessment.levels[2] += tangential;
+                faults.friction = true;
+            }
         }
         let normal = normal_margin(p, state, s, solution);
         // In another state the friction differs. A lost normal load may also be missing in a

@@ -46,6 +46,9 @@ pub struct SelectionRecord {
     /// Whether all states were searched as a last resort.
     #[serde(default = "exhaustive")]
     pub exhaustive: bool,
+    /// Whether conditions may contradict each other.
+    #[serde(default)]
+    pub may_contradict: bool,
     /// Tolerances that applied in the selection.
     pub tolerances: ToleranceRecord,
     /// Soles, in the order of the rows.

@@ -64,6 +64,7 @@ impl SelectionRecord {
             w: p.w.clone(),
             b: p.b.clone(),
             exhaustive: rules.exhaustive,
+            may_contradict: rules.may_contradict,
             tolerances: ToleranceRecord {
                 distance_m: tol.distance,
                 velocity_m_per_s: tol.velocity,

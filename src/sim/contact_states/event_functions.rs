@@ -61,6 +61,7 @@ fn with_contact<T>(sim: &RunState, f: impl FnOnce(&ContactInForce) -> T) -> T {
         is_compliant: plant.is_compliant(),
         regions: (!plant.floor.patches.is_empty()).then_some(plant),
         touching: &touching,
+        may_contradict: plant.may_contradict(),
         is_imposed: &|s| sim.is_imposed(s),
     })
 }

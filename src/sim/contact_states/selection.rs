@@ -199,7 +199,9 @@ impl RunState {
 
     /// Rules of the selection.
     pub(in crate::sim) fn rules(&self) -> Rules {
-        Rules { suspect: self.suspect.clone(), ..Rules::new(self.tolerances, self.plant.states.clone()) }
+        let may_contradict = self.plant.may_contradict();
+        let rules = Rules::new(self.tolerances, self.plant.states.clone());
+        Rules { suspect: self.suspect.clone(), may_contradict, ..rules }
     }
 
     /// Selects states at the acceleration level, from all of them as a last resort if `exhaustive`.
