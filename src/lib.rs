@@ -80,6 +80,8 @@ pub mod console;
 #[cfg_attr(doc, doc(hidden))]
 pub mod contact;
 #[cfg_attr(doc, doc(hidden))]
+pub mod convert;
+#[cfg_attr(doc, doc(hidden))]
 pub mod dynamics;
 #[cfg_attr(doc, doc(hidden))]
 pub mod export;
@@ -124,6 +126,8 @@ pub mod scenario;
 pub mod schema_page;
 #[cfg_attr(doc, doc(hidden))]
 pub mod script;
+#[cfg_attr(doc, doc(hidden))]
+pub mod sdf;
 #[cfg_attr(doc, doc(hidden))]
 pub mod sim;
 #[cfg_attr(doc, doc(hidden))]

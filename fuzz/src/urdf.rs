@@ -1,5 +1,6 @@
 //! URDF: parsed, checked, repaired, converted to a model.
 
+use stiction::convert::{self, RobotFormat};
 use stiction::robot::{self, InertiaPolicy, Robot, RobotError};
 
 use super::tree;
@@ -23,6 +24,10 @@ pub fn inspect(robot: Result<Robot, RobotError>) {
                 let _ = notice.to_string();
             }
             let _ = robot::inspect(&robot);
+            let _ = convert::description(&robot.model);
+            for format in [RobotFormat::Urdf, RobotFormat::Mjcf] {
+                let _ = convert::convert(&robot.model, format, "meshes");
+            }
             let finite = |x: f64| x.is_finite();
             assert!(robot.model.links.iter().all(|link| finite(link.mass)), "a mass is not finite");
         }

@@ -10,7 +10,7 @@
 //! and collects the rows in the order of the plan. It knows live clients by the trait
 //! [`LiveClients`] only.
 //!
-//! Imports: `text`, `geometry`, `files`, `robot`, `terrain`, `contact`, `script`, `scenario`, `sim`,
+//! Imports: `text`, `geometry`, `files`, `robot`, `convert`, `terrain`, `contact`, `script`, `scenario`, `sim`,
 //! `log`, `assemble`, `results`, `report`, `remote`. Used by: `replay`, `console`, `api`, `cli`.
 
 mod batch_error;

@@ -113,6 +113,14 @@ pub fn codes(command: &str) -> &'static Codes {
             (Exit::Invalid, "wrong usage, or a robot that is invalid or cannot be read"),
             (Exit::Unfinished, STDOUT),
         ],
+        "convert" => &[
+            (Exit::Success, "written"),
+            (
+                Exit::Invalid,
+                "wrong usage, a robot that is invalid or cannot be read, or a path that exists or cannot be written",
+            ),
+            (Exit::Unfinished, FILE),
+        ],
         "report" => &[
             (Exit::Success, "written"),
             (Exit::Invalid, "wrong usage, no such run, no records in the folder, or a path that cannot be written"),

@@ -1,7 +1,7 @@
 //! Command line of `runner`: `commands/` has one file per command, `arguments/` what commands
 //! share.
 //!
-//! Imports: `text`, `files`, `web`, `robot`, `collision`, `scenario`, `sim`, `log`, `results`,
+//! Imports: `text`, `files`, `web`, `robot`, `convert`, `collision`, `scenario`, `sim`, `log`, `results`,
 //! `report`, `export`, `remote`, `live`, `batch`, `replay`, `view`, `submit`, `console`,
 //! `schema_page`. Used by: the programs.
 
@@ -23,8 +23,8 @@ use std::path::PathBuf;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use commands::{
-    check, compare, completions, console, export, inspect, list, man, merge, motor_server, replay, report, run,
-    salvage, schema, submit, view,
+    check, compare, completions, console, convert, export, inspect, list, man, merge, motor_server, replay, report,
+    run, salvage, schema, submit, view,
 };
 pub use exit::Exit;
 
@@ -83,6 +83,9 @@ enum Command {
     /// Describe a robot: degrees of freedom, masses, joints, soles, ignored elements
     #[command(after_help = exit::help("inspect"))]
     Inspect(inspect::Inspect),
+    /// Write a robot as URDF or MJCF
+    #[command(after_help = exit::help("convert"))]
+    Convert(convert::Convert),
     /// Rewrite summary and report.html from the records in a folder of results
     #[command(after_help = exit::help("report"))]
     Report(report::Report),
@@ -144,6 +147,7 @@ impl Command {
             Command::Check(check) => check.execute(),
             Command::List(list) => list.execute(),
             Command::Inspect(inspect) => inspect.execute(),
+            Command::Convert(convert) => convert.execute(),
             Command::Report(report) => report.execute(),
             Command::Merge(merge) => merge.execute(),
             Command::Submit(submit) => submit.execute(),

@@ -1,7 +1,7 @@
 //! Reading and writing files safely: bounded reads of regular files, writes that appear whole or
 //! not at all, and paths that stay inside a folder of results.
 //!
-//! Imports: nothing of this crate. Used by: `robot`, `scenario`, `log`, `results`, `report`,
+//! Imports: nothing of this crate. Used by: `sdf`, `robot`, `scenario`, `log`, `results`, `report`,
 //! `export`, `remote`, `batch`, `replay`, `view`, `submit`, `console`, `cli`.
 
 pub mod atomic;

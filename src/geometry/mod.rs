@@ -10,7 +10,7 @@
 //! - `stable_point`: the centre of the largest disc in a polygon.
 //!
 //! Imports: `math`. Used by: `robot`, `collision`, `task`, `terrain`, `scenario`, `sim`,
-//! `assemble`, `batch`.
+//! `assemble`, `batch`, `convert`.
 
 pub mod convex_polygon;
 pub mod outline;

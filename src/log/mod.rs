@@ -8,7 +8,7 @@
 //! - [`salvage()`]: recovers the readable part of a damaged or unfinished log.
 //! - [`ProblemWriter`]: the contact problems of a run, `problems/*.json`.
 //!
-//! Imports: `math`, `files`, `robot`, `terrain`, `contact`, `sim`. Used by: `assemble`, `report`, `export`, `live`,
+//! Imports: `math`, `files`, `robot`, `convert`, `terrain`, `contact`, `sim`. Used by: `assemble`, `report`, `export`, `live`,
 //! `batch`, `replay`, `view`, `console`, `cli`.
 
 mod message_descriptor;

@@ -15,7 +15,7 @@ use super::robot_file::{Frame, JointEntry, ModeWord, RobotFile, SoleEntry};
 use crate::text::pattern::matches;
 use crate::text::source::Source;
 
-/// Applies all keys but `urdf` and `base`. Errors have positions in the robot file.
+/// Applies all keys but `model`, `urdf` and `base`. Errors have positions in the robot file.
 pub(super) fn apply(
     file: &RobotFile,
     source: &Source,

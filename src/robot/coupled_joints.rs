@@ -1,10 +1,13 @@
 //! Couplings of a model: `<mimic>` of URDF as conditions, and positions of following joints.
 
 use super::closure::Coupling;
-use super::model::{Drive, DriveMode, JointId, Model};
+use super::model::{JointId, Model};
 use super::notices::Notices;
 use super::urdf::Mimic;
 use crate::text::source::Source;
+
+/// Greatest difference of homes that counts as none, rad or m.
+const SAME: f64 = 1e-6;
 
 /// Adds the couplings of mimic joints, `q = multiplier q_of + offset`. A joint that follows one that does
 /// not move is held at its offset.
@@ -39,7 +42,7 @@ pub(super) fn add_mimics(model: &mut Model, mimics: &[Mimic], source: &Source, n
         model.couplings.push(Coupling { joint, leader, coefficients });
     }
     sort(&mut model.couplings);
-    make_passive(model);
+    keep_from_default_drives(model);
 }
 
 /// Puts each coupling behind those of the joints that it follows. Those of a ring stay out.
@@ -56,13 +59,10 @@ pub(super) fn sort(couplings: &mut Vec<Coupling>) {
     }
 }
 
-/// Following joints have no drive unless a file gives them one by name.
-pub(super) fn make_passive(model: &mut Model) {
+/// Following joints have no drives but those that a file gives them.
+fn keep_from_default_drives(model: &mut Model) {
     let Model { couplings, joints, .. } = model;
-    for joint in couplings.iter().map(|coupling| coupling.joint.0) {
-        joints[joint].drive = Drive { mode: DriveMode::Passive, kp: 0.0, kd: 0.0 };
-        joints[joint].drive_configured = true;
-    }
+    couplings.iter().for_each(|coupling| joints[coupling.joint.0].drive_configured = true);
 }
 
 /// Sets the home of following joints to the positions that their couplings give them.
@@ -70,6 +70,21 @@ pub(super) fn set_homes(model: &mut Model) {
     let mut home = std::mem::take(&mut model.home);
     model.set_followers(&mut home);
     model.home = home;
+}
+
+/// As [`set_homes`], with a note of each home that a file gives but its coupling does not.
+pub(super) fn replace_homes(model: &mut Model, source: &Source, at: usize, notices: &mut Notices) {
+    let given = model.home.clone();
+    set_homes(model);
+    for coupling in &model.couplings {
+        let (joint, leader) = (coupling.joint.0, coupling.leader.0);
+        let (given, home) = (given[joint], model.home[joint]);
+        if (given - home).abs() > SAME {
+            let (name, of) = (&model.joints[joint].name, &model.joints[leader].name);
+            let message = format!("joint `{name}` follows `{of}`: its home is {home}, not {given}");
+            notices.info(source, at, message);
+        }
+    }
 }
 
 /// Notes homes of following joints outside their limits.

@@ -5,8 +5,10 @@ use std::fmt::Write;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
 use super::Robot;
+use super::closure::LoopKind;
+use super::inspect_json::loop_kind;
 use super::link_poses::{centre_of_mass, link_poses};
-use super::model::{Base, DriveMode, Joint, JointKind, Link, Model};
+use super::model::{Base, DriveMode, Joint, JointKind, Link, LinkId, Model};
 use crate::math;
 use crate::text::Severity;
 
@@ -17,6 +19,7 @@ pub fn inspect(robot: &Robot) -> String {
     let _ = overview(&mut out, robot);
     let _ = links(&mut out, &robot.model);
     let _ = joints(&mut out, &robot.model);
+    let _ = conditions(&mut out, &robot.model);
     let _ = soles(&mut out, &robot.model);
     let _ = frames(&mut out, &robot.model);
     let _ = notices(&mut out, robot);
@@ -93,6 +96,49 @@ fn joints(out: &mut String, model: &Model) -> std::fmt::Result {
             number(joint.damping),
             number(model.home[i]),
             drive(joint)
+        )?;
+    }
+    Ok(())
+}
+
+/// Couplings and loops; nothing when there are none.
+fn conditions(out: &mut String, model: &Model) -> std::fmt::Result {
+    if !model.couplings.is_empty() {
+        writeln!(out, "\ncouplings ({}): position of a joint by that x of another", model.couplings.len())?;
+    }
+    for coupling in &model.couplings {
+        let terms = coupling.coefficients.iter().enumerate().filter(|(_, c)| **c != 0.0);
+        let terms: Vec<String> = terms
+            .map(|(power, c)| match power {
+                0 => number(*c),
+                1 => format!("{} x", number(*c)),
+                _ => format!("{} x^{power}", number(*c)),
+            })
+            .collect();
+        let polynomial = if terms.is_empty() { "0".into() } else { terms.join(" + ") };
+        let (joint, leader) = (&model.joints[coupling.joint.0].name, &model.joints[coupling.leader.0].name);
+        writeln!(out, "  {joint:<20} = {polynomial}, x of {leader}")?;
+    }
+    if !model.loops.is_empty() {
+        writeln!(out, "\nloops ({}): kind; origins of both frames in their links' frames, m", model.loops.len())?;
+    }
+    for closure in &model.loops {
+        let origin = |link: LinkId, pose: &Isometry3<f64>| {
+            let link = &model.links[link.0];
+            format!("{} at {}", link.name, vector(&(link.urdf_frame.inverse() * pose).translation.vector))
+        };
+        let world = || format!("the world at {}", vector(&closure.other_pose.translation.vector));
+        let length = match closure.kind {
+            LoopKind::Rod(length) => format!(" of {} m", number(length)),
+            _ => String::new(),
+        };
+        writeln!(
+            out,
+            "  {:<20} {}{length}: {}, {}",
+            closure.name,
+            loop_kind(closure.kind),
+            origin(closure.link, &closure.pose),
+            closure.other.map_or_else(world, |other| origin(other, &closure.other_pose))
         )?;
     }
     Ok(())

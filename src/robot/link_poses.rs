@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use super::model::{JointKind, Model};
 
 /// Poses of the links' **internal** frames; `q` has one number per joint, rad or m.
-pub(super) fn link_poses(model: &Model, q: &[f64]) -> Vec<Isometry3<f64>> {
+pub fn link_poses(model: &Model, q: &[f64]) -> Vec<Isometry3<f64>> {
     let mut poses: Vec<Isometry3<f64>> = Vec::with_capacity(model.links.len());
     for (i, link) in model.links.iter().enumerate() {
         let Some(parent) = link.parent else {

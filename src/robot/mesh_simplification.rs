@@ -4,6 +4,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::model::{Geometry, Model};
 use super::notices::Notices;
+use super::xml_syntax::root_element;
 use crate::geometry::spatial_hull::{convex_hull_3d, outermost, spread};
 use crate::text::source::Source;
 
@@ -34,7 +35,7 @@ pub(super) fn simplify_meshes(model: &mut Model, source: &Source, notices: &mut 
         let message = format!(
             "{replaced} meshes of more than {MAX_TRIANGLES} triangles ({before} in all) are kept as convex hulls"
         );
-        notices.info(source, source.text().find("<robot").unwrap_or(0), message);
+        notices.info(source, root_element(source), message);
     }
 }
 

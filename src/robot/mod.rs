@@ -1,7 +1,7 @@
-//! Loads robot files and URDFs to an immutable [`Model`].
+//! Loads robot files, URDFs, MJCF files and SDFormat models to an immutable [`Model`].
 //!
-//! `load` reads a robot file (TOML) or a URDF, performs all checks that need no simulation, and
-//! keeps the bytes of the files it used. Ignored elements, assumptions and detected soles are
+//! `load` reads a robot file (TOML), a URDF, an MJCF file or an SDF, performs all checks that need no
+//! simulation, and keeps the bytes of the files it used. Ignored elements, assumptions and detected soles are
 //! reported as notes and warnings, and a robot that cannot be simulated as a [`RobotError`] with
 //! its position. [`adjustments`] changes a loaded model as scenarios require.
 //!
@@ -9,33 +9,45 @@
 //! soles come from shapes (`sole_detection`), from `[[sole]]` of the robot file, or from the
 //! scenario.
 //!
-//! Imports: `math`, `text`, `geometry`, `files`, `mesh`. Used by: `dynamics`, `collision`, `task`, `force`,
-//! `script`, `sim`, `log`, `assemble`, `remote`, `batch`, `console`, `api`, `cli`.
+//! Imports: `math`, `text`, `geometry`, `files`, `mesh`, `sdf`. Used by: `dynamics`, `collision`,
+//! `task`, `force`, `script`, `sim`, `log`, `assemble`, `remote`,
+//! `scenario`, `batch`, `convert`, `console`, `api`, `cli`.
 
 pub mod adjustments;
 mod apply_robot_file;
 mod closure;
 mod coupled_joints;
 mod friction;
+mod inertia_repair;
 mod inspect;
+mod inspect_json;
 mod link_poses;
 mod load;
 mod loop_entries;
+mod mass_matrix;
 mod mesh_simplification;
+mod mjcf;
 pub mod model;
+mod movable_links;
+mod moving_links;
 mod notices;
 mod payload;
 mod rigid_inertia;
 mod robot_error;
 mod robot_file;
+mod sdf;
 mod self_collision;
 mod sole_detection;
 mod urdf;
+mod xml_syntax;
 
 pub use closure::{Coupling, LoopClosure, LoopKind};
 pub use friction::JointFrictionLaw;
 pub use inspect::inspect;
+pub use inspect_json::inspect_json;
+pub use link_poses::link_poses;
 pub use load::{Robot, load, load_with, parse};
+pub use mjcf::{is_mjcf_name, read_world as read_mjcf_world};
 pub use model::*;
 pub use payload::add_box;
 pub use rigid_inertia::RigidInertia;

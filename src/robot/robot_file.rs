@@ -17,9 +17,12 @@ use crate::text::toml_syntax::TomlError;
 #[derive(Deserialize, JsonSchema, Debug)]
 #[serde(deny_unknown_fields)]
 pub struct RobotFile {
-    /// The URDF, relative to this file.
-    #[schemars(with = "String")]
-    pub urdf: Spanned<String>,
+    /// The robot's URDF, MJCF file or SDF, relative to this file; required unless `urdf` is given.
+    #[schemars(with = "Option<String>")]
+    pub model: Option<Spanned<String>>,
+    /// Other name of `model`; one of both is required.
+    #[schemars(with = "Option<String>")]
+    pub urdf: Option<Spanned<String>>,
     /// Whether the root link is fixed or floats; by default fixed when the URDF's root link is
     /// called `world`, else floating.
     #[schemars(with = "Option<BaseWord>")]
@@ -322,6 +325,28 @@ pub struct SelfCollision {
 /// The JSON Schema of a robot file.
 pub fn schema() -> serde_json::Value {
     schemars::schema_for!(RobotFile).into()
+}
+
+impl RobotFile {
+    /// The key that names the robot's model, and its value.
+    ///
+    /// # Errors
+    /// Neither or both of `model` and `urdf`.
+    pub(super) fn model_path(&self, source: &Source) -> Result<(&'static str, &Spanned<String>), RobotError> {
+        match (&self.model, &self.urdf) {
+            (Some(model), None) => Ok(("model", model)),
+            (None, Some(urdf)) => Ok(("urdf", urdf)),
+            (Some(model), Some(_)) => {
+                let fault = FileError::new(source, model.span(), "`model` and `urdf` exclude each other");
+                Err(fault.element("model").expected("one of them").invalid())
+            }
+            (None, None) => {
+                let end = source.text().find('\n').unwrap_or(source.text().len());
+                let fault = FileError::new(source, 0..end, "the robot file names no model").element("robot file");
+                Err(fault.expected("model = \"...\", the path of a URDF, MJCF or SDF file").invalid())
+            }
+        }
+    }
 }
 
 /// Parses a robot file. Errors have the parser's position, and a suggestion for unknown keys.

@@ -8,6 +8,7 @@ use super::link_poses::link_poses;
 use super::mesh_simplification;
 use super::model::{Base, Geometry, Link, LinkId, Model, Shape, Sole};
 use super::notices::Notices;
+use super::xml_syntax::root_element;
 use crate::geometry::outline;
 use crate::geometry::spatial_hull::{convex_hull_3d, outermost, spread};
 use crate::math;
@@ -37,7 +38,7 @@ const MAX_VERTICES: usize = 8;
 
 /// Adds the detected soles to the model, each with a notice.
 pub(super) fn find_soles(model: &mut Model, source: &Source, notices: &mut Notices) {
-    let at = source.text().find("<robot").unwrap_or(0);
+    let at = root_element(source);
     if model.base == Base::Fixed {
         notices.info(source, at, "no soles: none are given, and a fixed base needs none");
         return;

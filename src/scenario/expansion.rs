@@ -2,7 +2,7 @@
 
 use std::{
     ops::Range,
-    sync::{Arc, Mutex, PoisonError},
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
 use super::file::ScenarioFile;
@@ -12,6 +12,7 @@ use super::run::{Origin, Run};
 use super::scenario::{self, Scenario};
 use super::sweep::{Cell, Grid};
 use super::unused_parameters::UnusedParameters;
+use super::world::{WorldNodes, Worlds};
 use super::{events, overrides};
 use crate::scenario::findings::Findings;
 use crate::scenario::key_path::KeyPath;
@@ -28,7 +29,9 @@ const REPETITIONS_PER_PASS: u32 = 64;
 /// A file with its overrides and its sweep; creates each run by its number.
 pub struct Expansion {
     file: ScenarioFile,
-    pub(super) sources: Sources,
+    /// The texts: the file, overrides, and world files once they are read.
+    sources: Mutex<Sources>,
+    worlds: Mutex<Worlds>,
     base: Arc<Node>,
     grid: Grid,
     /// A hash of all values as written, sweep included.
@@ -58,7 +61,9 @@ impl ScenarioFile {
         }
         let definition = definition(&base);
         base.remove("sweep");
-        Ok(Expansion { file: self.clone(), sources, base: Arc::new(base), grid, definition, files: Mutex::default() })
+        let (files, worlds) = Default::default();
+        let (sources, base) = (Mutex::new(sources), Arc::new(base));
+        Ok(Expansion { file: self.clone(), sources, worlds, base, grid, definition, files })
     }
 }
 
@@ -66,6 +71,11 @@ impl Expansion {
     /// The file.
     pub fn file(&self) -> &ScenarioFile {
         &self.file
+    }
+
+    /// The texts read so far.
+    pub(super) fn sources(&self) -> Sources {
+        lock(&self.sources).clone()
     }
 
     /// Number of runs.
@@ -113,7 +123,7 @@ impl Expansion {
                 consume(run);
             }
         }
-        if findings.has_errors() { Err(findings.into_diagnostics(&self.sources)) } else { Ok(unused.warnings()) }
+        if findings.has_errors() { Err(findings.into_diagnostics(&self.sources())) } else { Ok(unused.warnings()) }
     }
 
     /// One run by its number, from 0; `None` if there is no such run or it has an error.
@@ -143,7 +153,7 @@ impl Expansion {
         values: Values,
         findings: &mut Findings,
     ) -> Option<CellRuns> {
-        let (sources, cell) = (&self.sources, self.grid.cell(number));
+        let cell = self.grid.cell(number);
         let swept = cell.values();
         let mut root = Node::clone(&self.base);
         let mut found = Findings::default();
@@ -152,6 +162,14 @@ impl Expansion {
                 found.error(error.span, error.message, None);
             }
         }
+        let world = {
+            let mut sources = lock(&self.sources);
+            let has_floor = root.get("floor").is_some();
+            let world = lock(&self.worlds).expand(&mut root, &self.file.path, &mut sources, &mut found);
+            world.iter().filter(|_| has_floor).for_each(|world| world.note_unused_floor(&mut found));
+            world
+        };
+        let sources = &self.sources();
         let (scenario, read) = scenario::read(&root);
         found.append(read);
         found.explain(|span| replaced_position(span, &swept, &self.base, sources));
@@ -161,11 +179,11 @@ impl Expansion {
         warnings.0.extend(reference_warnings.into_diagnostics(sources).0);
         let scenario = scenario?;
         let (inputs, reference_inputs) = {
-            let mut files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut files = lock(&self.files);
             let mut read = |scenario: &Scenario| files.read(scenario, &self.file.path, &root, findings);
             (read(&scenario), reference.as_ref().map(|r| read(&r.scenario)).unwrap_or_default())
         };
-        let parts = CellParts { expansion: self, root: &root, swept: &swept, values };
+        let parts = CellParts { expansion: self, sources, root: &root, world: &world, swept: &swept, values };
         let mut runs = Vec::new();
         for repetition in repetitions {
             let index = number * self.grid.repeat as usize + repetition as usize;
@@ -190,6 +208,10 @@ impl Expansion {
     }
 }
 
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Some runs of a cell.
 struct CellRuns {
     runs: Vec<Run>,
@@ -199,6 +221,8 @@ struct CellRuns {
 /// Data that all runs of a cell share.
 struct CellParts<'a> {
     expansion: &'a Expansion,
+    sources: &'a Sources,
+    world: &'a Option<Arc<WorldNodes>>,
     root: &'a Node,
     swept: &'a [(KeyPath, Node)],
     values: Values,
@@ -224,7 +248,7 @@ impl CellParts<'_> {
         values: &[(KeyPath, Node)],
         findings: &mut Findings,
     ) -> Option<(Run, Option<toml::Table>)> {
-        let Expansion { file, sources, base, .. } = self.expansion;
+        let Expansion { file, base, .. } = self.expansion;
         let written = match self.values {
             Values::Written => resolved(&scenario).map(|(text, table)| (text, Some(table))),
             Values::Checked => check_seed(scenario.seed.saturating_add(later)).map(|()| (String::new(), None)),
@@ -243,14 +267,16 @@ impl CellParts<'_> {
                     inputs: inputs.to_vec(),
                     events: Vec::new(),
                     origin: Origin {
-                        sources: sources.clone(),
+                        sources: self.sources.clone(),
                         base: base.clone(),
-                        swept: self.swept.iter().chain(values).cloned().collect(),
+                        swept: self.swept.to_vec(),
+                        world: self.world.clone(),
+                        added: values.to_vec(),
                         reported: Arc::default(),
                     },
                 };
                 // With errors among the findings the run is dropped.
-                run.events = events::read(&run, sources, findings).unwrap_or_default();
+                run.events = events::read(&run, self.sources, findings).unwrap_or_default();
                 Some((run, table))
             }
             Err(error) => {

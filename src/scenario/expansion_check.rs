@@ -62,7 +62,7 @@ impl<'a> ExpansionCheck<'a> {
     /// Adds the findings about the runs that follow.
     pub fn add(&mut self, cells: CheckedCells) {
         for found in cells.found {
-            let new = self.findings.append(found).into_diagnostics(&self.expansion.sources);
+            let new = self.findings.append(found).into_diagnostics(&self.expansion.sources());
             self.warnings.0.extend(new.0);
         }
         self.unused.append(cells.unused);
@@ -79,7 +79,7 @@ impl<'a> ExpansionCheck<'a> {
     /// All findings, if one of them is an error.
     pub fn finish(self) -> Result<(Diagnostics, Diagnostics), Diagnostics> {
         match self.findings.has_errors() {
-            true => Err(self.findings.into_diagnostics(&self.expansion.sources)),
+            true => Err(self.findings.into_diagnostics(&self.expansion.sources())),
             false => Ok((self.warnings, self.unused.warnings())),
         }
     }

@@ -26,6 +26,10 @@ impl Findings {
         self.add(Severity::Warning, span, message.into(), help);
     }
 
+    pub fn note(&mut self, span: Span, message: impl Into<String>, help: Option<String>) {
+        self.add(Severity::Note, span, message.into(), help);
+    }
+
     /// Adds the syntax errors of a text.
     pub fn syntax(&mut self, errors: Vec<TomlError>) {
         for TomlError { span, message, help } in errors {

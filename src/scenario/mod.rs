@@ -10,8 +10,8 @@
 //! Reads the files that a scenario names, but opens no robot file and simulates nothing. `assemble`
 //! and `batch` call it.
 //!
-//! Imports: `math`, `text`, `geometry`, `random`, `files`, `metrics`, `contact`. Used by:
-//! `assemble`, `batch`, `replay`, `console`, `api`, `cli`.
+//! Imports: `math`, `text`, `geometry`, `random`, `files`, `metrics`, `sdf`, `robot`, `contact`.
+//! Used by: `assemble`, `batch`, `replay`, `console`, `api`, `cli`.
 
 mod checks;
 mod decode;
@@ -31,6 +31,7 @@ mod run_key;
 mod scenario;
 mod sweep;
 mod unused_parameters;
+mod world;
 
 pub use crate::metrics::METRICS;
 pub use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
@@ -75,6 +76,7 @@ pub use format::{
     terrain::{
         BoxTerrain, HeightFieldTerrain, MeshBody, MeshTerrain, RampTerrain, StairsTerrain, TerrainEntry, TerrainSpec,
     },
+    world::WorldSpec,
 };
 pub use inputs::Input;
 pub use overrides::{OverrideError, parse_override};

@@ -7,8 +7,9 @@ use crate::scenario::key_path::KeyPath;
 use crate::text::source::Sources;
 use crate::text::toml_tree::{Node, Value};
 
-/// Keys of a scenario that concern the use of a run, not its simulation.
-const EXCLUDED_KEYS: [&str; 6] = ["schema", "description", "sweep", "log", "expect", "compare"];
+/// Keys of a scenario that concern the use of a run, not its simulation, and the world, whose
+/// entries replace it.
+const EXCLUDED_KEYS: [&str; 7] = ["schema", "description", "world", "sweep", "log", "expect", "compare"];
 
 /// A reference run before its seed is known.
 pub(super) struct Reference {

@@ -12,6 +12,7 @@ use super::events::Event;
 use super::file::{ScenarioFile, resolve};
 use super::inputs::Input;
 use super::scenario::Scenario;
+use super::world::WorldNodes;
 use crate::scenario::key_path::KeyPath;
 use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::text::source::Sources;
@@ -58,6 +59,10 @@ pub struct Origin {
     pub(super) sources: Sources,
     pub(super) base: Arc<Node>,
     pub(super) swept: Vec<(KeyPath, Node)>,
+    /// Entries of the world file.
+    pub(super) world: Option<Arc<WorldNodes>>,
+    /// Values set after the world was added: by a reference or events.
+    pub(super) added: Vec<(KeyPath, Node)>,
     /// Diagnostics reported so far.
     pub(super) reported: Arc<AtomicUsize>,
 }
@@ -66,8 +71,14 @@ impl Origin {
     /// The tree of the values.
     pub(super) fn tree(&self) -> Node {
         let mut root = Node::clone(&self.base);
+        // Setting these succeeded when the run was created.
         for (path, value) in &self.swept {
-            // Setting these succeeded when the run was created.
+            let _ = path.set(&mut root, value.clone());
+        }
+        if let Some(world) = &self.world {
+            world.insert(&mut root);
+        }
+        for (path, value) in &self.added {
             let _ = path.set(&mut root, value.clone());
         }
         root
@@ -75,7 +86,7 @@ impl Origin {
 
     /// Adds a value that was set.
     pub(super) fn add(&mut self, path: &KeyPath, value: &Node) {
-        self.swept.push((path.clone(), value.clone()));
+        self.added.push((path.clone(), value.clone()));
     }
 }
 

@@ -24,6 +24,7 @@ use crate::scenario::format::sweep::SweepSpec;
 use crate::scenario::format::tagged::{self, Tagged};
 use crate::scenario::format::task::TaskSpec;
 use crate::scenario::format::terrain::TerrainSpec;
+use crate::scenario::format::world::WorldSpec;
 use crate::text::quantity::{json, positive};
 use crate::text::suggest;
 use crate::text::toml_tree::{Node, Value};
@@ -55,6 +56,9 @@ pub struct Scenario {
     /// Fixed bodies on which the robot stands, besides the floor.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub terrain: Vec<TerrainSpec>,
+    /// Bodies from a world file. In an expanded run they are among `terrain` and `object`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub world: Option<WorldSpec>,
     /// Contact method and its parameters.
     pub contact: ContactSpec,
     /// Integration of the equations of motion.
@@ -109,6 +113,7 @@ impl Default for Scenario {
             robot: RobotSpec::default(),
             floor: FloorSpec::default(),
             terrain: Vec::new(),
+            world: None,
             contact: ContactSpec::default(),
             integrator: IntegratorSpec::default(),
             control: ControlSpec::default(),
@@ -158,6 +163,7 @@ pub(super) fn read(root: &Node) -> (Option<Scenario>, Findings) {
         robot: part.required("robot", "model"),
         floor: part.value("floor", default.floor),
         terrain: part.tagged("terrain"),
+        world: part.with("world", None, |d| WorldSpec::deserialize(d).map(Some)),
         contact: part.value("contact", default.contact),
         integrator: part.value("integrator", default.integrator),
         control: part.value("control", default.control),

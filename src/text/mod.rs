@@ -10,9 +10,9 @@
 //! - `visible`: escapes control characters in names; `plural`: counts with nouns.
 //! - `length_limit`: cuts the middle out of long messages.
 //! - `text_table`: tables for terminals; `quantity`: numeric fields with ranges and units.
-//! - `xml_attributes`: limits the attributes of XML elements.
+//! - `xml_syntax`: XML with positions; `xml_attributes`: limits the attributes of elements.
 //!
-//! Imports: nothing of this crate. Used by: `mesh`, `robot`, `motion`, `contact`, `script`, `scenario`,
+//! Imports: nothing of this crate. Used by: `mesh`, `sdf`, `robot`, `motion`, `contact`, `script`, `scenario`,
 //! `sim`, `assemble`, `results`, `report`, `export`, `batch`, `console`, `cli`.
 
 pub mod angle;
@@ -29,6 +29,7 @@ pub(crate) mod toml_syntax;
 pub(crate) mod toml_tree;
 pub mod visible;
 pub mod xml_attributes;
+pub(crate) mod xml_syntax;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use source::{Position, Source};

@@ -43,7 +43,7 @@ fn log_and_panic(job: &Job, log: &Path) -> RunEnd {
         method: "exact",
         scenario: AttachedText { name: "s.toml", text: &job.run.resolved_toml },
         robot: None,
-        urdf: AttachedText { name: "block.urdf", text: &job.robot.urdf_text },
+        urdf: AttachedText { name: "block.urdf", text: job.robot.urdf_text.as_ref().unwrap() },
         floor: Some(nalgebra::Isometry3::identity()),
         patches: &[],
         objects: &[],

@@ -7,6 +7,7 @@ mod changes;
 mod colour;
 mod commands;
 mod comparison;
+mod convert;
 mod exit_codes;
 mod export;
 mod filter;

@@ -134,7 +134,7 @@ fn a_model_that_cannot_be_read_is_an_error_at_its_key() {
     for (from, to, message) in [
         ("door/door.urdf", "door/gone.urdf", "gone.urdf"),
         ("wedge.obj", "gone.obj", "cannot read"),
-        ("door/door.urdf", "wedge.obj", "neither a .toml nor a .urdf file"),
+        ("door/door.urdf", "wedge.obj", "it is not a .toml, .urdf, .xml, .mjcf, .sdf or .world file"),
     ] {
         place.write("door.toml", SCENE.replace(from, to));
         let done = place.runner(&["check", "door.toml"]).exits(2);

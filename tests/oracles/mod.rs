@@ -7,3 +7,5 @@ mod context;
 mod dynamics;
 mod dynamics_oracle;
 mod loops;
+mod mjcf;
+mod sdf;

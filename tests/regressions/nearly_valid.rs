@@ -53,6 +53,35 @@ fn nearly_valid_urdfs_do_not_panic() {
     check(targets::urdf::take, &["robots", "scenarios"], "urdf", "");
 }
 
+/// Runs a target on mutated copies, and the prefixes and mutated bytes, of a repository's file.
+fn check_file(target: Take, prefix: &[u8], name: &str, copies: u64) {
+    let text = std::fs::read_to_string(tree::root().join(name)).unwrap();
+    target(&[prefix, text.as_bytes()].concat());
+    check_text(target, prefix, &text, copies);
+    check_bytes(target, prefix, text.as_bytes(), copies / 4);
+}
+
+#[test]
+fn nearly_valid_mjcf_files_do_not_panic() {
+    for name in ["arm", "biped", "shapes"] {
+        check_file(targets::mjcf::take, b"", &format!("tests/robot/mjcf/{name}.xml"), 100);
+    }
+}
+
+#[test]
+fn nearly_valid_sdfs_do_not_panic() {
+    for name in ["fixed_base", "frames", "old_axis", "oldest_axis"] {
+        check_file(targets::sdf::take, b"", &format!("tests/robot/sdf/{name}.sdf"), 100);
+    }
+}
+
+#[test]
+fn nearly_valid_worlds_do_not_panic() {
+    check_file(targets::world::take, b"s", "scenarios/worlds/room.sdf", 60);
+    check_file(targets::world::take, b"s", "tests/scenario/room.sdf", 60);
+    check_file(targets::world::take, b"m", "tests/scenario/room.xml", 120);
+}
+
 #[test]
 fn nearly_valid_motions_do_not_panic() {
     check(targets::motion::take, &["scenarios/motions"], "toml", "p");

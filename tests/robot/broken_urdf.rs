@@ -97,7 +97,7 @@ fn each_error_is_reported_with_its_line() {
 
 #[test]
 fn a_root_element_other_than_robot_is_reported() {
-    assert_fault("sdf", load_urdf("<sdf>\n</sdf>"), "robot.urdf", 1, "not a URDF");
+    assert_fault("robots", load_urdf("<robots>\n</robots>"), "robot.urdf", 1, "not a URDF");
 }
 
 #[test]

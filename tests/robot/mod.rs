@@ -1,7 +1,8 @@
-//! Robot files and URDFs as input of users.
+//! Robot files, URDFs and MJCF files as input of users.
 
 mod adjust;
 mod broken_file;
+mod broken_mjcf;
 mod broken_urdf;
 mod cbi;
 mod closed_loops;
@@ -10,12 +11,15 @@ mod example_robots;
 mod figures;
 mod finding;
 mod hoap2;
+mod inspect_json;
 mod joints;
 mod meshes;
+mod mjcf;
 mod notices;
 mod payload;
 mod quadruped;
 mod repair;
+mod sdf;
 mod welding;
 
 use std::path::{Path, PathBuf};
@@ -47,6 +51,12 @@ pub fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
 pub fn load_urdf(text: &str) -> Result<Robot, RobotError> {
     let folder = folder(&[("robot.urdf", text)]);
     load(&folder.path().join("robot.urdf"))
+}
+
+/// Loads an MJCF file given as text.
+pub fn load_mjcf(text: &str) -> Result<Robot, RobotError> {
+    let folder = folder(&[("robot.xml", text)]);
+    load(&folder.path().join("robot.xml"))
 }
 
 /// Loads a robot file given as text, next to its URDF.

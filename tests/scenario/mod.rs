@@ -11,6 +11,7 @@ mod shown;
 mod terrain;
 mod typos;
 mod verdicts;
+mod world;
 
 use std::path::Path;
 

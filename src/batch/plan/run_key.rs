@@ -94,7 +94,8 @@ impl RunKeys {
         scenario.robot.model.clear();
         for object in &mut scenario.object {
             if let ObjectSpec::Model(object) = object {
-                object.model.clear();
+                // The model of a file with several is part of the key, the path is not.
+                object.model = object.model.rsplit_once('#').map_or(String::new(), |(_, name)| name.to_owned());
             }
         }
         let compare = scenario.compare.take().map(|compare| CompareSpec { timing_repeats: None, ..compare });

@@ -11,6 +11,7 @@ use crate::assemble::setup_with;
 use crate::batch::run::live_clients::{LiveClients, Pacer, RATE};
 use crate::batch::{Job, Role, RunEnd, RunOutputs, Track};
 use crate::contact::selection_record::SelectionRecord;
+use crate::convert;
 use crate::files::RecordError;
 use crate::log::{AttachedText, LogHeader, LogWriter, MessageSink, ProblemWriter, TopicGroups};
 use crate::remote::{Address, KeyFile, LinkError, RobotClient};
@@ -316,7 +317,7 @@ pub(crate) fn open_log_of(
     method: &str,
     topics: TopicGroups,
 ) -> Result<LogWriter, RecordError> {
-    let (robot_file, urdf) = documents(robot);
+    let Documents { robot_file, urdf, other_model } = documents(robot);
     let scenario_name = format!("{}.toml", run.name);
     // Binary inputs, such as a log for playback, are only hashed, and so are terrain and meshes, which are
     // often large.
@@ -324,7 +325,9 @@ pub(crate) fn open_log_of(
     let inputs = run.inputs.iter().filter(|input| !is_shape(&input.key));
     let texts = inputs.filter_map(|i| Some((i.name(), std::str::from_utf8(&i.bytes).ok()?)));
     let texts: Vec<_> = texts.collect();
-    let inputs: Vec<_> = texts.iter().map(|(name, text)| AttachedText { name, text }).collect();
+    let inputs = other_model.iter().map(|(name, text)| (name.as_str(), text.as_ref()));
+    let inputs = inputs.chain(texts.iter().map(|(name, text)| (name.as_ref(), *text)));
+    let inputs: Vec<_> = inputs.map(|(name, text)| AttachedText { name, text }).collect();
     let patches: Vec<_> = floor.patches.iter().map(|p| floor.outline(p)).collect();
     let header = LogHeader {
         scenario_name: &run.name,
@@ -332,7 +335,7 @@ pub(crate) fn open_log_of(
         method,
         scenario: AttachedText { name: &scenario_name, text: &run.resolved_toml },
         robot: robot_file.as_ref().map(|(name, text)| AttachedText { name, text }),
-        urdf: AttachedText { name: &urdf, text: &robot.urdf_text },
+        urdf: AttachedText { name: &urdf.0, text: &urdf.1 },
         inputs: &inputs,
         floor: (!floor.is_absent).then(|| pose(floor)),
         patches: &patches,
@@ -345,18 +348,33 @@ pub(crate) fn open_log_of(
     LogWriter::open(path, sink, model, &header)
 }
 
-/// The robot file's name and text, if there is one, and the URDF's name. The URDF comes after the
-/// robot file.
-fn documents(robot: &Robot) -> (Option<(String, Cow<'_, str>)>, String) {
+/// Texts of a robot, with the names of their files.
+struct Documents<'a> {
+    robot_file: Option<(String, Cow<'a, str>)>,
+    /// The URDF; of a model of another format one written from it.
+    urdf: (String, Cow<'a, str>),
+    /// The model file of another format.
+    other_model: Option<(String, Cow<'a, str>)>,
+}
+
+/// The texts of a robot. The model file comes after the robot file.
+fn documents(robot: &Robot) -> Documents<'_> {
     let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let is_toml = |path: &Path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
-    match robot.files.as_slice() {
-        [(file, bytes), (urdf, _), ..] if is_toml(file) => {
-            (Some((name(file), String::from_utf8_lossy(bytes))), name(urdf))
-        }
-        [(urdf, _), ..] => (None, name(urdf)),
-        [] => (None, "robot.urdf".into()),
+    let (robot_file, model) = match robot.files.as_slice() {
+        [file, model, ..] if is_toml(&file.0) => (Some(file), Some(model)),
+        [model, ..] => (None, Some(model)),
+        [] => (None, None),
+    };
+    let robot_file = robot_file.map(|(path, bytes)| (name(path), String::from_utf8_lossy(bytes)));
+    if let Some(text) = &robot.urdf_text {
+        let name = model.map_or("robot.urdf".into(), |(path, _)| name(path));
+        return Documents { robot_file, urdf: (name, text.into()), other_model: None };
     }
+    let stem = model.and_then(|(path, _)| path.file_stem()).map_or("robot".into(), |stem| stem.to_string_lossy());
+    let urdf = (format!("{stem}.urdf"), convert::description(&robot.model).into());
+    let other_model = model.map(|(path, bytes)| (name(path), String::from_utf8_lossy(bytes)));
+    Documents { robot_file, urdf, other_model }
 }
 
 fn pose(floor: &Floor) -> Isometry3<f64> {

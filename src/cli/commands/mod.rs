@@ -4,6 +4,7 @@ pub mod check;
 pub mod compare;
 pub mod completions;
 pub mod console;
+pub mod convert;
 pub mod export;
 pub mod inspect;
 pub mod list;

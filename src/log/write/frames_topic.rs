@@ -3,6 +3,7 @@
 //! child of its link; its origin is the mean of the sole's vertices and its axes are those of the
 //! link's URDF frame. The frames of objects, `object/NAME`, are children of the root frame.
 
+use crate::convert::AXIS_LINK;
 use crate::files::RecordError;
 use crate::log::write::log_header::LogHeader;
 use crate::log::write::log_output::{Channel, LogOutput};
@@ -168,6 +169,8 @@ pub(crate) fn welds(urdf: &str) -> HashMap<String, String> {
     joints
         .filter(|j| j.attribute("type") == Some("fixed"))
         .filter_map(|j| Some((link(j, "child")?, link(j, "parent")?)))
+        // Such a link moves.
+        .filter(|(_, parent)| !parent.ends_with(AXIS_LINK))
         .collect()
 }
 

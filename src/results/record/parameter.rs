@@ -31,7 +31,7 @@ impl ParamValue {
     /// The value as text; of the path of a robot file only the file name.
     pub(crate) fn brief(&self) -> String {
         let text = self.to_string();
-        let is_file = [".toml", ".urdf"].iter().any(|end| text.ends_with(end));
+        let is_file = [".toml", ".urdf", ".xml", ".mjcf"].iter().any(|end| text.ends_with(end));
         text.rsplit('/').next().filter(|_| is_file).map_or(text.clone(), str::to_owned)
     }
 }

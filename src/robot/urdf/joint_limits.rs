@@ -97,29 +97,6 @@ pub(super) fn remove_invalid_mimics(mimics: &mut Vec<Mimic>, xml: &Xml, notices:
     mimics.retain(|m| !invalid.contains(&m.joint));
 }
 
-/// A joint without limits, friction or actuator: one motion of a planar or floating joint.
-pub(super) fn free_joint(name: String, kind: JointKind) -> Joint {
-    Joint {
-        name,
-        kind,
-        lower: f64::NEG_INFINITY,
-        upper: f64::INFINITY,
-        velocity_limit: f64::INFINITY,
-        effort_limit: f64::INFINITY,
-        damping: 0.0,
-        friction: 0.0,
-        static_friction: 0.0,
-        stribeck_velocity: STRIBECK_SPEED,
-        slip_velocity: SLIP_SPEED,
-        stop: None,
-        armature: 0.0,
-        lag: 0.0,
-        drive: Drive::default(),
-        // Counts as configured, so that a scenario's default drive does not apply.
-        drive_configured: true,
-    }
-}
-
 /// The joint without its drive. Errors: one limit absent, lower limit above the upper one.
 pub(super) fn joint(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) -> Result<Joint, RobotError> {
     let name = &joint.name;

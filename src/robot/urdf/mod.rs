@@ -24,8 +24,8 @@ pub(super) use joint_limits::Mimic;
 use super::model::{Base, Model};
 use super::notices::Notices;
 use super::robot_error::{FileError, RobotError};
+use super::xml_syntax;
 use crate::text::source::Source;
-use crate::text::xml_attributes;
 
 /// The robot as the URDF describes it.
 pub(super) struct Loaded {
@@ -54,11 +54,7 @@ pub(super) fn load(
     policy: InertiaPolicy,
     notices: &mut Notices,
 ) -> Result<Loaded, RobotError> {
-    if let Some(at) = xml_attributes::excess_attribute(source.text()) {
-        let message = format!("an element has more than {} attributes", xml_attributes::MAX_ATTRIBUTES);
-        return Err(FileError::new(source, at..at + 1, message).syntax());
-    }
-    let document = roxmltree::Document::parse(source.text()).map_err(|e| xml::syntax_error(source, &e))?;
+    let document = xml_syntax::parse(source)?;
     let xml = xml::Xml::new(source, &document)?;
     grammar::check(&xml, notices)?;
     let mut mimics = Vec::new();

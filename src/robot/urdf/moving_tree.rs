@@ -1,22 +1,20 @@
 //! Builds the tree of moving links from the URDF's: fixed joints are welded, and each joint axis
 //! becomes z.
 
-use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Translation3, Vector3};
 use urdf_rs::JointType;
 
-use super::inertia::{FlawedPart, check_inertias, link_inertia, without_inertia};
+use super::inertia::{FlawedPart, check_inertias, link_inertia};
 use super::root::Root;
 use super::shapes::{Shapes, isometry};
 use super::tree::Tree;
 use super::xml::Xml;
 use super::{InertiaPolicy, Loaded, compound_joints, joint_limits};
 use crate::robot::model::{Joint, Link, LinkId, Merged, Model};
+use crate::robot::movable_links::without_inertia;
+use crate::robot::moving_links::{MAX_JOINTS, bare_link, free_joint, z_to};
 use crate::robot::notices::Notices;
 use crate::robot::robot_error::RobotError;
-
-/// Greatest number of moving joints. The time of a step grows with the third power of the length of
-/// a chain: 0.3 s for one of 1024 joints, which is also how late a run is cancelled.
-pub(super) const MAX_JOINTS: usize = 1024;
 
 /// The next URDF link: welded to a link of the tree, or moved by a joint.
 enum Step {
@@ -167,48 +165,7 @@ fn motions(
     let chain = parts.into_iter().enumerate().map(|(i, part)| {
         let name = format!("{}/{}", joint.name, part.suffix);
         let moved = if i == last { child.to_owned() } else { name.clone() };
-        (moved, joint_limits::free_joint(name, part.kind), part.axis)
+        (moved, free_joint(name, part.kind), part.axis)
     });
     Ok(chain.collect())
-}
-
-/// The rotation that takes z to a unit axis. Axes along x, y or z get exact quaternions, so that a
-/// robot drawn with them has rotation matrices of zeros and ones.
-fn z_to(axis: &Vector3<f64>) -> UnitQuaternion<f64> {
-    let exact = |w: f64, x: f64, y: f64, z: f64| UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z));
-    match (axis.x, axis.y, axis.z) {
-        (0.0, 0.0, z) if z > 0.0 => UnitQuaternion::identity(),
-        (0.0, 0.0, _) => exact(0.0, 1.0, 0.0, 0.0),
-        (x, 0.0, 0.0) if x > 0.0 => exact(0.5, 0.5, 0.5, 0.5),
-        (_, 0.0, 0.0) => exact(0.5, 0.5, -0.5, -0.5),
-        (0.0, y, 0.0) if y > 0.0 => exact(0.5, -0.5, -0.5, -0.5),
-        (0.0, _, 0.0) => exact(0.5, 0.5, 0.5, -0.5),
-        // The half-way quaternion (1 + z . a, z x a) is ill-conditioned near -z: start from there
-        // by a half turn about x.
-        (x, y, z) if z < 0.0 => shortest(-y, x, z) * exact(0.0, 1.0, 0.0, 0.0),
-        (x, y, z) => shortest(-y, x, z),
-    }
-}
-
-/// The shortest rotation to (.., .., z) from z (or from -z when `z` is negative); `cx`, `cy` are
-/// those of z x axis.
-fn shortest(cx: f64, cy: f64, z: f64) -> UnitQuaternion<f64> {
-    let sign = z.signum();
-    UnitQuaternion::new_normalize(nalgebra::Quaternion::new(1.0 + z.abs(), sign * cx, sign * cy, 0.0))
-}
-
-fn bare_link(name: &str, parent: Option<LinkId>) -> Link {
-    Link {
-        name: name.to_owned(),
-        parent,
-        rotation: Matrix3::identity(),
-        offset: Vector3::zeros(),
-        mass: 0.0,
-        com: Vector3::zeros(),
-        inertia: Matrix3::zeros(),
-        urdf_frame: Isometry3::identity(),
-        merged: Vec::new(),
-        visuals: Vec::new(),
-        collisions: Vec::new(),
-    }
 }

@@ -1,11 +1,11 @@
 //! The XML tree with its source: elements by name, positions of attributes, errors.
 
 use std::collections::HashMap;
-use std::ops::Range;
 
 use roxmltree::{Document, Node};
 
 use crate::robot::robot_error::{FileError, RobotError};
+use crate::robot::xml_syntax::open_tag;
 use crate::text::source::Source;
 
 /// A well-formed document whose root element is `<robot>`.
@@ -66,27 +66,4 @@ pub(super) fn describe(node: Node) -> String {
         .filter(|n| n.has_tag_name("link") || n.has_tag_name("joint"))
         .find_map(|n| n.attribute("name").map(|name| format!("{} `{name}`", n.tag_name().name())))
         .unwrap_or_else(|| format!("<{}>", node.tag_name().name()))
-}
-
-/// The bytes of an element's opening tag; the element may span hundreds of lines.
-fn open_tag(source: &Source, node: Node) -> Range<usize> {
-    let range = node.range();
-    let text = source.text();
-    let after_attributes = node.attributes().map(|a| a.range().end).max().unwrap_or(range.start);
-    let end = text[after_attributes..range.end].find('>').map_or(range.end, |i| after_attributes + i + 1);
-    range.start..end
-}
-
-/// An error of the XML parser, with its position.
-pub(super) fn syntax_error(source: &Source, error: &roxmltree::Error) -> RobotError {
-    let position = error.pos();
-    let line_start: usize =
-        source.text().split_inclusive('\n').take(position.row.saturating_sub(1) as usize).map(str::len).sum();
-    let line = source.text()[line_start..].lines().next().unwrap_or("");
-    let column = line.char_indices().nth(position.col.saturating_sub(1) as usize).map_or(line.len(), |(i, _)| i);
-    let start = line_start + column;
-    let text = error.to_string();
-    // The parser repeats the position at the end of its sentence.
-    let sentence = text.rsplit_once(" at ").map_or(text.as_str(), |(message, _)| message);
-    FileError::new(source, start..start + 1, format!("the XML is not well-formed: {sentence}")).syntax()
 }

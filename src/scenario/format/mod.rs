@@ -22,3 +22,4 @@ pub mod sweep;
 pub mod tagged;
 pub mod task;
 pub mod terrain;
+pub mod world;

@@ -157,7 +157,7 @@ object! {
 object! {
     /// A mechanism, free or fixed to the world as its file says; its frame is that of its root link.
     ModelObject {
-        /// Path of a robot file (`.toml`) or a `.urdf`, relative to the scenario file.
+        /// Path of a robot file (`.toml`), a URDF, MJCF file or SDF, relative to the scenario file.
         pub model: String,
         /// Initial joint positions by joint name, rad or m; joints left out start at the model's home.
         #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "joint_positions")]

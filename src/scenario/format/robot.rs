@@ -14,7 +14,7 @@ use crate::text::quantity::{
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotSpec {
-    /// Path of a robot file (`.toml`) or a `.urdf`, relative to the scenario file.
+    /// Path of a robot file (`.toml`), a URDF, MJCF file or SDF, relative to the scenario file.
     pub model: String,
     /// Address of a robot that this run does not simulate: `udp://ADDRESS:PORT`, where a `runner
     /// motor-server` or a robot listens.

@@ -3,9 +3,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::movable::without_inertia;
-use super::repair::nearest_physical;
+use crate::robot::inertia_repair::nearest_physical;
 use crate::robot::model::{Base, Link};
+use crate::robot::movable_links::without_inertia;
 use crate::robot::notices::Notices;
 use crate::robot::rigid_inertia::{Flaw, RigidInertia, examine, moments_text};
 use crate::robot::robot_error::{FileError, RobotError};

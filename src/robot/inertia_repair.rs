@@ -12,11 +12,11 @@ use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// Least share of the second moment of mass along one axis: a plate, rms thickness 3 % of the rms
 /// size of the whole.
-pub(in crate::robot) const THINNEST: f64 = 1e-3;
+pub(super) const THINNEST: f64 = 1e-3;
 
 /// The nearest physical tensor: `tensor` up to rounding if that is physical; zero, a point mass, if
 /// the projection is the cone's apex.
-pub(in crate::robot) fn nearest_physical(tensor: &Matrix3<f64>) -> Matrix3<f64> {
+pub(super) fn nearest_physical(tensor: &Matrix3<f64>) -> Matrix3<f64> {
     let eigen = SymmetricEigen::new(*tensor);
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));

@@ -8,14 +8,14 @@
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
-use crate::robot::model::{Base, Joint, JointKind, Link};
+use super::model::{Base, Joint, JointKind, Link};
 
 /// Inertia below this fraction of the inertia with all joints below locked is rounding.
 const TOLERANCE: f64 = 1e-10;
 
 /// The links, at joint positions 0, that would be accelerated without limit, in order. A joint
 /// without inertia counts as locked for those above it. Velocities are (linear, angular).
-pub(in crate::robot::urdf) fn without_inertia(links: &[Link], joints: &[Joint], base: Base) -> Vec<usize> {
+pub(super) fn without_inertia(links: &[Link], joints: &[Joint], base: Base) -> Vec<usize> {
     let mut articulated: Vec<Matrix6<f64>> = links.iter().map(spatial).collect();
     let mut locked = articulated.clone();
     let mut found = Vec::new();

@@ -1,0 +1,97 @@
+//! Shapes of links. Meshes are read once each.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Isometry3, Vector3};
+
+use crate::files::input;
+use crate::mesh::{self, MeshError};
+use crate::robot::model::{Geometry, Shape};
+use crate::robot::notices::Notices;
+use crate::sdf::{self, Geometry as Written, Pose, Shape as WrittenShape};
+
+const GREY: [f32; 4] = [0.7, 0.7, 0.7, 1.0];
+
+/// Converts shapes and records the mesh files read.
+#[derive(Default)]
+pub(super) struct Shapes {
+    /// Mesh files read so far, each once.
+    pub files: Vec<(PathBuf, Vec<u8>)>,
+    decoded: HashMap<PathBuf, Result<mesh::Decoded, MeshError>>,
+}
+
+impl Shapes {
+    /// The shapes of one kind of a link whose frame has pose `frame`. Those that cannot be used are
+    /// left out with a notice.
+    pub fn convert(
+        &mut self,
+        (link, kind): (&str, &str),
+        shapes: &[(Pose, &WrittenShape)],
+        frame: &Isometry3<f64>,
+        notices: &mut Notices,
+    ) -> Vec<Shape> {
+        let mut converted = Vec::new();
+        for (pose, shape) in shapes {
+            let (source, at) = (&shape.at.source, shape.at.span.start);
+            match self.geometry(shape, notices) {
+                Ok(geometry) => {
+                    let pose = frame * pose.isometry;
+                    converted.push(Shape { pose, geometry, rgba: shape.rgba.unwrap_or(GREY) });
+                }
+                Err(reason) => {
+                    let message = format!("{kind} `{}` of link `{link}` is left out: {reason}", shape.name);
+                    notices.warning(source, at, message);
+                }
+            }
+        }
+        converted
+    }
+
+    fn geometry(&mut self, shape: &WrittenShape, notices: &mut Notices) -> Result<Geometry, MeshError> {
+        match &shape.geometry {
+            Written::Box(size) => Ok(Geometry::Box(*size)),
+            Written::Cylinder(radius, length) => Ok(Geometry::Cylinder(*radius, *length)),
+            Written::Capsule(radius, length) => Ok(Geometry::Capsule(*radius, *length)),
+            Written::Sphere(radius) => Ok(Geometry::Sphere(*radius)),
+            Written::Ellipsoid(radii) if radii.x == radii.y && radii.y == radii.z => Ok(Geometry::Sphere(radii.x)),
+            Written::Ellipsoid(_) => Err("there are no ellipsoids with different radii".into()),
+            Written::Mesh(_, _, true) => Err("parts of meshes are not read".into()),
+            Written::Mesh(uri, scale, false) => {
+                let (geometry, remark) = self.mesh(shape, uri, scale)?;
+                if let Some(remark) = remark {
+                    notices.info(&shape.at.source, shape.at.span.start, remark);
+                }
+                Ok(geometry)
+            }
+            Written::Hull(_) => Err("it is not a shape of an SDF".into()),
+            Written::Plane(_) => Err("a <plane> is no body".into()),
+            Written::Other(tag) => Err(format!("there is no shape <{tag}>").into()),
+        }
+    }
+
+    fn mesh(
+        &mut self,
+        shape: &WrittenShape,
+        uri: &str,
+        scale: &Vector3<f64>,
+    ) -> Result<(Geometry, Option<String>), MeshError> {
+        let folder = shape.at.source.path().parent().unwrap_or(Path::new(""));
+        let path = sdf::resolve_uri(folder, uri)?;
+        if !self.decoded.contains_key(&path) {
+            let bytes = input::read(&path, input::MOST_DATA)?;
+            self.decoded.insert(path.clone(), mesh::decode(&bytes, &path));
+            self.files.push((path.clone(), bytes));
+        }
+        match &self.decoded[&path] {
+            Ok(_) if scale.iter().filter(|s| **s == 0.0).count() > 1 => {
+                Err(format!("the scale {} {} {} reduces it to nothing", scale.x, scale.y, scale.z).into())
+            }
+            Ok(mesh) => {
+                let (points, triangles) = mesh.scaled(scale).ok_or("its vertices at this scale are too large")?;
+                Ok((Geometry::Mesh(points, triangles), mesh.remark.clone()))
+            }
+            Err(reason) => Err(reason.clone()),
+        }
+    }
+}
