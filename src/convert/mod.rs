@@ -61,6 +61,9 @@ fn joint_warnings(model: &Model, holds_drives: bool, warnings: &mut Vec<String>)
         let names: Vec<&str> = model.joints.iter().filter(|j| is_lost && test(j)).map(|j| j.name.as_str()).collect();
         list(what, "joint", &names, warnings);
     }
+    let coupled = model.transmissions.iter().filter(|transmission| transmission.is_coupled());
+    let names: Vec<&str> = coupled.map(|transmission| transmission.name.as_str()).collect();
+    list("the coupling of motors", "transmission", &names, warnings);
 }
 
 /// A warning that names the first of several elements.

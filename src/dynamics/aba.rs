@@ -11,10 +11,13 @@
 //! ```
 //!
 //! and for a floating base IA_0 B_0 = (tau_base - p_0). Source: [Featherstone 2008], table 7.1.
+//!
+//! The inertia of rotors that couple joints belongs to no link: with such transmissions M is formed and
+//! factorised instead.
 
-use super::DynamicsError;
 use super::spatial::{Force, Inertia, Motion};
 use super::workspace::Workspace;
+use super::{DynamicsError, crba, factor, kinematics, rnea};
 use crate::robot::Model;
 use nalgebra::Vector3;
 
@@ -101,6 +104,9 @@ pub fn forward_dynamics(
     gravity: &Vector3<f64>,
     vdot: &mut [f64],
 ) -> Result<(), DynamicsError> {
+    if model.coupled_transmissions().next().is_some() {
+        return by_mass_matrix(model, ws, tau, gravity, vdot);
+    }
     let nb = ws.nb;
     for ((force, articulated), link) in ws.forces.iter_mut().zip(&mut ws.articulated).zip(&ws.links) {
         let momentum = link.inertia.apply(&link.velocity);
@@ -151,5 +157,24 @@ pub fn forward_dynamics(
     for link in &mut ws.links {
         link.acceleration += link.drift;
     }
+    Ok(())
+}
+
+/// As [`forward_dynamics`], with M.
+fn by_mass_matrix(
+    model: &Model,
+    ws: &mut Workspace,
+    tau: &[f64],
+    gravity: &Vector3<f64>,
+    vdot: &mut [f64],
+) -> Result<(), DynamicsError> {
+    rnea::bias(ws, gravity);
+    crba::mass_matrix(model, ws);
+    factor::factorize(ws)?;
+    for ((a, tau), h) in vdot.iter_mut().zip(tau).zip(&ws.bias) {
+        *a = tau - h;
+    }
+    factor::solve(ws, vdot);
+    kinematics::accelerations(ws, vdot);
     Ok(())
 }

@@ -2,8 +2,8 @@
 //!
 //! Momentum about O is the sum of I_i V_i; about the centre of mass it is `k_c = k_O - c x l`. The
 //! root of a fixed base does not count. Joint armature is part of the kinetic energy,
-//! `1/2 sum V.I V + 1/2 sum armature q'^2 = 1/2 v^T M v`, not of the momentum: it is a reflected
-//! inertia without a position in space.
+//! `1/2 sum V.I V + 1/2 sum armature q'^2 + 1/2 sum J theta'^2 = 1/2 v^T M v`, with the rotors J of
+//! transmissions that couple joints, not of the momentum: it is a reflected inertia without a position in space.
 
 use super::spatial::{Force, Inertia};
 use super::workspace::{LinkMotion, Workspace};
@@ -64,7 +64,14 @@ fn momentum_about_origin(ws: &Workspace) -> Force {
 pub fn kinetic_energy(model: &Model, ws: &Workspace) -> f64 {
     let links: f64 = moving(ws).iter().map(|l| l.velocity.dot(&l.momentum)).sum();
     let rotors: f64 = model.joints.iter().zip(&ws.v[ws.nb..]).map(|(j, v)| j.armature * v * v).sum();
-    0.5 * (links + rotors)
+    let mut coupled = 0.0;
+    for transmission in model.coupled_transmissions() {
+        for (k, inertia) in transmission.rotor_inertia.iter().enumerate() {
+            let speed = transmission.motor_speed(k, &ws.v[ws.nb..]);
+            coupled += inertia * speed * speed;
+        }
+    }
+    0.5 * (links + rotors + coupled)
 }
 
 /// Potential energy in the field `gravity` (m/s^2), J, zero when the centre of mass is at the

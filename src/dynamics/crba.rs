@@ -4,7 +4,8 @@
 //! Ic_i = I_i + sum of Ic over children,   M_kj = S_j . Ic_k S_k   for j on the path from the root to k
 //! ```
 //!
-//! and `armature` on the diagonal of joints. Source: [Featherstone 2008], table 6.2, without its
+//! and `armature` on the diagonal of joints, `A = T^T J T` on the entries of joints that a transmission
+//! couples ([`crate::robot::Transmission`]). Source: [Featherstone 2008], table 6.2, without its
 //! transforms because all inertias are about O.
 
 use super::spatial::Inertia;
@@ -38,6 +39,9 @@ pub fn mass_matrix(model: &Model, ws: &mut Workspace) {
     for k in 0..nb {
         let momentum = ws.composite[0].apply(&ws.axes[k]).to_array();
         ws.mass.row_mut(k).1.copy_from_slice(&momentum[..=k]);
+    }
+    for transmission in model.coupled_transmissions() {
+        transmission.reflected_entries(|a, b, inertia| ws.mass.add_entry(nb + a.0, nb + b.0, inertia));
     }
 }
 

@@ -38,18 +38,18 @@ pub fn factorize_prescribed(ws: &mut Workspace, shift: &[f64], prescribed: &[usi
     shift_and_eliminate(ws, shift, prescribed)
 }
 
-/// As [`factorize_prescribed`], of M + `added` + diag(`shift`); `added` has the pattern of M.
+/// As [`factorize_prescribed`], of M + diag(`shift`) and what `add` adds, with the pattern of M.
 ///
 /// # Errors
 /// As [`factorize`].
 pub fn factorize_with(
     ws: &mut Workspace,
-    added: &TreeMatrix,
+    add: impl FnOnce(&mut TreeMatrix),
     shift: &[f64],
     prescribed: &[usize],
 ) -> Result<(), DynamicsError> {
     ws.factor.copy_from(&ws.mass);
-    ws.factor.add(added);
+    add(&mut ws.factor);
     shift_and_eliminate(ws, shift, prescribed)
 }
 

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! with A_i the spatial acceleration about O and g = (gravity, 0). In world axes about one point
-//! the sums need no transforms. Joint armature adds `armature q''`. Source: [Featherstone 2008],
-//! table 5.1.
+//! the sums need no transforms. Joint armature adds `armature q''`, a transmission that couples joints
+//! `A q''` with its reflected inertia A. Source: [Featherstone 2008], table 5.1.
 
 use super::spatial::{Force, Motion};
 use super::workspace::Workspace;
@@ -34,6 +34,15 @@ pub fn inverse_dynamics(model: &Model, ws: &mut Workspace, vdot: &[f64], gravity
     project(&ws.parent, &mut ws.forces, &ws.axes, ws.nb, tau);
     for ((tau, joint), a) in tau[ws.nb..].iter_mut().zip(&model.joints).zip(&vdot[ws.nb..]) {
         *tau += joint.armature * a;
+    }
+    let nb = ws.nb;
+    for transmission in model.coupled_transmissions() {
+        transmission.reflected_entries(|a, b, inertia| {
+            tau[nb + a.0] += inertia * vdot[nb + b.0];
+            if a != b {
+                tau[nb + b.0] += inertia * vdot[nb + a.0];
+            }
+        });
     }
 }
 

@@ -181,8 +181,17 @@ impl TreeMatrix {
         }
     }
 
+    /// Adds `x` to entry (i, j), one of which is on the path from the root to the other.
+    #[inline]
+    pub fn add_entry(&mut self, i: usize, j: usize, x: f64) {
+        let (i, j) = (i.max(j), i.min(j));
+        let depth = self.pattern.chain(j).len() - 1;
+        debug_assert_eq!(self.pattern.chain(i).get(depth), Some(&j));
+        self.row_mut(i).1[depth] += x;
+    }
+
     /// Adds a matrix of the same pattern.
-    pub(super) fn add(&mut self, other: &TreeMatrix) {
+    pub fn add(&mut self, other: &TreeMatrix) {
         self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += b);
     }
 

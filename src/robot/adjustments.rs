@@ -104,6 +104,7 @@ fn configure(model: &mut Model, index: usize, s: &DriveSettings) -> Result<(), R
         let subject = format!("mode of joint `{}`", model.joints[index].name);
         return Err(bad_value(subject, "kinematic", &format!("another mode: the joint follows `{leader}`")));
     }
+    check_transmission(model, index, s)?;
     let joint = &mut model.joints[index];
     // Name, value, and whether 0 is allowed.
     let values = [
@@ -166,6 +167,28 @@ fn configure(model: &mut Model, index: usize, s: &DriveSettings) -> Result<(), R
     joint.damping = s.viscous.unwrap_or(joint.damping);
     joint.armature = s.armature.unwrap_or(joint.armature);
     joint.lag = s.lag.unwrap_or(joint.lag);
+    Ok(())
+}
+
+/// Refuses settings that belong to the motors of the transmission that couples the joint with others.
+fn check_transmission(model: &Model, index: usize, s: &DriveSettings) -> Result<(), RobotError> {
+    let Some(of) = model.coupled_transmission_of(JointId(index)) else { return Ok(()) };
+    let has_friction = of.friction.is_some();
+    let has_rotors = of.rotor_inertia.iter().any(|inertia| *inertia > 0.0);
+    for (name, value, is_of_motors) in [
+        ("effort", s.effort, of.effort_limit.is_some()),
+        ("velocity", s.velocity, of.velocity_limit.is_some()),
+        ("armature", s.armature, has_rotors),
+        ("friction.coulomb", s.coulomb, has_friction),
+        ("friction.viscous", s.viscous, has_friction),
+        ("friction.static", s.static_friction, has_friction),
+    ] {
+        if let Some(value) = value.filter(|_| is_of_motors) {
+            let subject = format!("{name} of joint `{}`", model.joints[index].name);
+            let expected = format!("none: transmission `{}` of the robot file gives that of its motors", of.name);
+            return Err(bad_value(subject, value, &expected));
+        }
+    }
     Ok(())
 }
 

@@ -5,6 +5,7 @@ use toml::Spanned;
 
 use super::adjustments::{DriveSettings, SolePolygon, link_names, make_sole, set_drive};
 use super::coupled_joints;
+use super::joint_names::joint_index;
 use super::link_poses::link_poses;
 use super::loop_entries;
 use super::model::{DriveMode, EndEffector, JointId, JointKind, LinkId, Model, Mount, SensorFrame};
@@ -12,6 +13,7 @@ use super::notices::Notices;
 use super::payload;
 use super::robot_error::{FileError, RobotError};
 use super::robot_file::{Frame, JointEntry, ModeWord, RobotFile, SoleEntry};
+use super::transmission_entries;
 use crate::text::pattern::matches;
 use crate::text::source::Source;
 
@@ -25,6 +27,7 @@ pub(super) fn apply(
     home(file, source, model)?;
     let kinematic = match_kinematic(file, source, model)?;
     drives(file, source, model, &kinematic)?;
+    transmission_entries::add(file, source, model)?;
     loop_entries::add(&file.loops, source, model)?;
     payload::weld(&file.payload, source, model)?;
     if let Some(soles) = &file.sole {
@@ -273,14 +276,6 @@ pub(super) fn note_unread_force_sensors(file: &RobotFile, source: &Source, model
         };
         notices.info(source, entry.span().start, format!("force sensor `{}` is not read: {reason}", sensor.name));
     }
-}
-
-fn joint_index(name: &Spanned<String>, source: &Source, model: &Model) -> Result<usize, RobotError> {
-    model.joint(name.get_ref()).map(|id| id.0).ok_or_else(|| {
-        let fault = FileError::new(source, name.span(), format!("the URDF has no moving joint `{}`", name.get_ref()));
-        let known = model.joints.iter().map(|j| j.name.as_str());
-        fault.element(format!("joint `{}`", name.get_ref())).suggest(name.get_ref(), known).invalid()
-    })
 }
 
 /// The link of that name with the pose of its URDF frame in its internal frame.

@@ -20,6 +20,7 @@ pub fn inspect(robot: &Robot) -> String {
     let _ = links(&mut out, &robot.model);
     let _ = joints(&mut out, &robot.model);
     let _ = conditions(&mut out, &robot.model);
+    let _ = transmissions(&mut out, &robot.model);
     let _ = soles(&mut out, &robot.model);
     let _ = frames(&mut out, &robot.model);
     let _ = notices(&mut out, robot);
@@ -165,6 +166,35 @@ fn drive(joint: &Joint) -> String {
         DriveMode::Kinematic => format!("kinematic, {armature}"),
         DriveMode::Passive => format!("passive, {armature}"),
     }
+}
+
+/// Gears and motors; nothing when there are none.
+fn transmissions(out: &mut String, model: &Model) -> std::fmt::Result {
+    if model.transmissions.is_empty() {
+        return Ok(());
+    }
+    writeln!(
+        out,
+        "\ntransmissions ({}): joints; of each motor: speed by those of the joints; rotor inertia kg m^2; effort, \
+         velocity; friction",
+        model.transmissions.len()
+    )?;
+    for of in &model.transmissions {
+        let names: Vec<&str> = of.joints.iter().map(|id| model.joints[id.0].name.as_str()).collect();
+        writeln!(out, "  {:<20} {}", of.name, names.join(", "))?;
+        let limit = |limits: &Option<Vec<f64>>, k: usize| {
+            limits.as_ref().map_or("unlimited".into(), |limits| number(limits[k]))
+        };
+        for (k, inertia) in of.rotor_inertia.iter().enumerate() {
+            let row: Vec<String> = (0..of.number()).map(|j| number(of.ratio(k, j))).collect();
+            let (effort, velocity) = (limit(&of.effort_limit, k), limit(&of.velocity_limit, k));
+            let friction = of.friction.as_ref().map_or((0.0, 0.0), |laws| (laws[k].coulomb, laws[k].viscous));
+            let friction = format!("{} + {} v", number(friction.0), number(friction.1));
+            let (row, inertia) = (row.join(" "), number(*inertia));
+            writeln!(out, "  {:<20} [{row}]; {inertia}; {effort}, {velocity}; {friction}", "")?;
+        }
+    }
+    Ok(())
 }
 
 fn soles(out: &mut String, model: &Model) -> std::fmt::Result {

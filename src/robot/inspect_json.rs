@@ -39,6 +39,14 @@ pub fn inspect_json(robot: &Robot) -> Value {
             "other": l.other.map(link),
             "other_pose": l.other.map_or_else(|| pose(&l.other_pose), |other| on_link(model, other, &l.other_pose)),
         })).collect::<Vec<_>>(),
+        "transmissions": model.transmissions.iter().map(|t| json!({
+            "name": t.name,
+            "joints": t.joints.iter().map(|id| joint(*id)).collect::<Vec<_>>(),
+            "gear": t.gear.chunks(t.number()).collect::<Vec<_>>(),
+            "rotor_inertia": t.rotor_inertia,
+            "effort_limit": t.effort_limit,
+            "velocity_limit": t.velocity_limit,
+        })).collect::<Vec<_>>(),
         "soles": model.soles.iter().map(|s| {
             let back = model.links[s.link.0].urdf_frame.inverse();
             let polygon: Vec<[f64; 3]> = s.vertices.iter().map(|v| (back * Point3::from(*v)).coords.into()).collect();

@@ -1,5 +1,5 @@
 //! Mass matrix of a robot at a posture, base at the origin: `M = sum_i m_i Jv_i^T Jv_i + Jw_i^T I_i
-//! Jw_i` over the links, plus the armatures on the diagonal ([Featherstone 2008], chapter 6, in
+//! Jw_i` over the links, plus armatures and rotors of transmissions ([Featherstone 2008], chapter 6, in
 //! Jacobian form). For loading and output; simulations use `dynamics`.
 
 // Storage and a factorization; products are written out.
@@ -45,6 +45,14 @@ pub(super) fn mass_matrix(model: &Model, q: &[f64]) -> DMatrix<f64> {
     }
     for (j, joint) in model.joints.iter().enumerate() {
         mass[(nb + j, nb + j)] += joint.armature;
+    }
+    for transmission in model.transmissions.iter().filter(|t| t.is_coupled()) {
+        transmission.reflected_entries(|i, j, value| {
+            mass[(nb + i.0, nb + j.0)] += value;
+            if i != j {
+                mass[(nb + j.0, nb + i.0)] += value;
+            }
+        });
     }
     mass
 }

@@ -15,6 +15,7 @@
 use super::closure::{Coupling, LoopClosure};
 use super::friction::JointFrictionLaw;
 use super::rigid_inertia::RigidInertia;
+use super::transmission::Transmission;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
 macro_rules! index {
@@ -301,6 +302,8 @@ pub struct Model {
     pub couplings: Vec<Coupling>,
     /// Closed loops, in file order.
     pub loops: Vec<LoopClosure>,
+    /// Transmissions, in file order.
+    pub transmissions: Vec<Transmission>,
 }
 
 impl Model {
@@ -331,6 +334,17 @@ impl Model {
     /// Joints whose actuators lag, in ascending order.
     pub fn lagging(&self) -> impl Iterator<Item = JointId> {
         self.joints.iter().enumerate().filter(|(_, j)| j.lag > 0.0).map(|(i, _)| JointId(i))
+    }
+
+    /// Transmissions that couple several joints.
+    #[inline]
+    pub fn coupled_transmissions(&self) -> impl Iterator<Item = &Transmission> {
+        self.transmissions.iter().filter(|transmission| transmission.is_coupled())
+    }
+
+    /// The transmission that couples a joint with others.
+    pub fn coupled_transmission_of(&self, joint: JointId) -> Option<&Transmission> {
+        self.coupled_transmissions().find(|transmission| transmission.joints.contains(&joint))
     }
 
     /// The coupling that a joint follows.

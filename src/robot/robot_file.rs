@@ -56,6 +56,10 @@ pub struct RobotFile {
     #[serde(default, rename = "loop")]
     #[schemars(with = "Vec<LoopEntry>")]
     pub loops: Vec<Spanned<LoopEntry>>,
+    /// Motors that drive joints through gears.
+    #[serde(default)]
+    #[schemars(with = "Vec<TransmissionEntry>")]
+    pub transmission: Vec<Spanned<TransmissionEntry>>,
     /// Frames of interest.
     #[serde(default)]
     #[schemars(with = "Vec<Frame>")]
@@ -270,6 +274,48 @@ pub struct LoopEntry {
     /// Of a rod: length, m, above 0; left out: the distance of the points at home.
     #[schemars(with = "Option<f64>", extend("exclusiveMinimum" = 0))]
     pub length: Option<Spanned<f64>>,
+}
+
+/// One number for all motors of a transmission, or a list with one for each.
+#[derive(Deserialize, JsonSchema, Clone, PartialEq, Debug)]
+#[serde(untagged, expecting = "expected a number, or a list of numbers with one per motor")]
+pub enum PerMotor {
+    /// The same for all.
+    All(f64),
+    /// One for each.
+    Each(Vec<f64>),
+}
+
+/// Motors that drive joints through gears. With speeds of the motors `theta' = T q'`, T = `gear_ratio` times
+/// `matrix`, efforts of the joints are `T^T m`, m the torques of the motors.
+#[derive(Deserialize, JsonSchema, Debug)]
+#[serde(deny_unknown_fields)]
+pub struct TransmissionEntry {
+    /// Name, unique among the transmissions.
+    pub name: String,
+    /// Joints that the motors drive, as many as motors.
+    #[schemars(with = "Vec<String>")]
+    pub joints: Spanned<Vec<Spanned<String>>>,
+    /// A row per motor, a column per joint: speed of the motor, before its gear, by that of the joint. Left out
+    /// for one joint: 1.
+    #[schemars(with = "Option<Vec<Vec<f64>>>")]
+    pub matrix: Option<Spanned<Vec<Vec<f64>>>>,
+    /// Turns of the motor per turn of its row, above 0 (`mechanicalReduction` of URDF); 1.
+    #[schemars(with = "Option<PerMotor>")]
+    pub gear_ratio: Option<Spanned<PerMotor>>,
+    /// Inertia of the rotor about its axis, kg m^2; 0.
+    #[schemars(with = "Option<PerMotor>")]
+    pub rotor_inertia: Option<Spanned<PerMotor>>,
+    /// Greatest torque of the motor, N m, instead of the joints' greatest efforts.
+    #[schemars(with = "Option<PerMotor>")]
+    pub effort: Option<Spanned<PerMotor>>,
+    /// Greatest speed of the motor, rad/s, instead of the joints' greatest speeds.
+    #[schemars(with = "Option<PerMotor>")]
+    pub velocity: Option<Spanned<PerMotor>>,
+    /// Friction of each motor, N m by rad/s, instead of that of the joints. `stribeck_velocity` and
+    /// `slip_velocity` are by default 0.2 and 0.05 times the gear ratio.
+    #[schemars(with = "Option<Friction>")]
+    pub friction: Option<Spanned<Friction>>,
 }
 
 /// A frame fixed to a link.

@@ -6,6 +6,7 @@ mod kinematic;
 mod lag;
 mod stiff;
 mod stops;
+mod transmissions;
 
 use crate::analytic::support::root;
 use stiction::assemble;

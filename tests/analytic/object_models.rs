@@ -152,10 +152,22 @@ const ARM: &str = "
     effort = 0.5
 ";
 
-fn arm() -> File {
+/// Motors of shoulder and elbow at their limits.
+const MOTORS: &str = "
+    [[transmission]]
+    name = \"cables\"
+    joints = [\"shoulder\", \"elbow\"]
+    matrix = [[1.0, 0.3], [-0.2, 1.0]]
+    gear_ratio = [20.0, 10.0]
+    rotor_inertia = 1e-4
+    effort = 0.05
+    velocity = 30.0
+";
+
+fn arm(joints: &str) -> File {
     let limits = "<limit lower=\"-0.4\" upper=\"0.5\" effort=\"50\" velocity=\"50\"/>";
     let along = [0.0, 0.0, -0.3];
-    let file = File::new("arm.toml", &format!("urdf = \"arm.urdf\"\n{ARM}"));
+    let file = File::new("arm.toml", &format!("urdf = \"arm.urdf\"\n{joints}"));
     let urdf = format!(
         "<robot name=\"arm\"><link name=\"world\"/>{}{}{}{}{}{}</robot>",
         link("upper", 1.0, [0.02, 0.0, -0.15], 0.01, None),
@@ -172,7 +184,16 @@ fn arm() -> File {
 /// Fixed steps do not depend on what else there is, so that robot and object differ by rounding only.
 #[test]
 fn a_mechanism_moves_alike_as_robot_and_as_object() {
-    let file = arm();
+    moves_alike(ARM);
+}
+
+#[test]
+fn a_mechanism_with_coupled_motors_moves_alike_as_robot_and_as_object() {
+    moves_alike(&format!("{}{MOTORS}", ARM.replace("effort = 4.0", "").replace("armature = 0.03", "")));
+}
+
+fn moves_alike(joints: &str) {
+    let file = arm(joints);
     let model = format!("{:?}", file.path());
     let start = "posture = { shoulder = 1.2, elbow = 0.3, wrist = 0.1 }, velocity = { shoulder = 0.5, elbow = 6.0, wrist = -1.0 }";
     for integrator in ["method = \"rk4\", step = 1e-3", "method = \"semi-implicit\", step = 1e-3"] {
@@ -382,7 +403,7 @@ fn refusal(entry: &str) -> String {
 
 #[test]
 fn an_object_that_does_not_fit_its_file_is_refused_at_the_key() {
-    let (arm, gone) = (arm(), root().join("gone.urdf"));
+    let (arm, gone) = (arm(ARM), root().join("gone.urdf"));
     let flat = File::new("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     let kinematic = File::new("held.toml", "urdf = \"model.urdf\"\n[joint.hinge]\nmode = \"kinematic\"\n");
     let hinge = joint("hinge", "continuous", ["world", "leaf"], [0.0; 3], [0.0, 0.0, 1.0], "");

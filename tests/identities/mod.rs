@@ -13,3 +13,4 @@ pub mod random_tree;
 mod stable_point;
 mod stepping;
 mod stepping_all;
+mod transmissions;

@@ -73,6 +73,35 @@ fn without_allocations(drives: &str) {
     }
 }
 
+/// Motors of an ankle at their limits, with friction and rotors.
+#[test]
+fn coupled_motors_allocate_nothing() {
+    for integrator in ["method = \"dopri5\"", "method = \"rosenbrock\"", "method = \"semi-implicit\", step = 1e-3"] {
+        let mut sim = simulation(&format!(
+            "duration = 100.0
+            integrator = {{ {integrator} }}
+            floor.plane = false
+            gravity = [0, 0, 0]
+            log.rate = 0
+            robot = {{ model = \"robots/differential/differential.toml\" }}
+            task = [{{ type = \"posture\", duration = 0.1, joints = {{ pitch = 0.6, roll = 0.3 }} }}]\n"
+        ));
+        sim.begin(&mut NullObserver).expect("it begins");
+        // The first steps may allocate lists.
+        (0..5).for_each(|_| sim.step(&mut NullObserver).expect("it steps"));
+        let mut limited = 0;
+        let allocations = count(|| {
+            // Until the task ends, an event with a text.
+            while sim.plant().state.time < 0.09 {
+                sim.step(&mut NullObserver).expect("it steps");
+                limited += usize::from(sim.plant().drives.coupled[0].is_limited);
+            }
+        });
+        assert!(limited > 0, "{integrator}: no limit acts");
+        assert_eq!(allocations, 0, "{integrator}");
+    }
+}
+
 #[test]
 fn forces_allocate_nothing() {
     let more = "

@@ -20,6 +20,7 @@ mod payload;
 mod quadruped;
 mod repair;
 mod sdf;
+mod transmissions;
 mod welding;
 
 use std::path::{Path, PathBuf};

@@ -128,6 +128,7 @@ fn read(
         home,
         couplings: conditions.couplings,
         loops: conditions.loops,
+        transmissions: Vec::new(),
     };
     damp_by_ratio(&mut model, &parts.references, &ratios);
     let included = document.sources[1..].iter().map(|s| (s.path().to_owned(), s.text().as_bytes().to_vec()));

@@ -62,9 +62,10 @@ pub(super) fn build(
     let mimics = mimics(&resolved, &builder, notices);
     let (home, name) = (vec![0.0; builder.joints.len()], written.name.clone());
     // The loader makes couplings of the mimics.
-    let (soles, end_effectors, couplings) = Default::default();
+    let (soles, end_effectors, couplings, transmissions) = Default::default();
     let Builder { links, joints, sensors, shapes, .. } = builder;
-    let model = Model { name, base, links, joints, soles, end_effectors, sensors, home, couplings, loops };
+    let model =
+        Model { name, base, links, joints, soles, end_effectors, sensors, home, couplings, loops, transmissions };
     Ok(Loaded { model, meshes: shapes.files, mimics })
 }
 

@@ -50,9 +50,10 @@ pub(super) fn build(
     let Parts { links, joints, .. } = parts;
     let home = vec![0.0; joints.len()];
     let name = tree.robot.name.clone();
-    let (soles, end_effectors, sensors, couplings, loops) = Default::default();
+    let (soles, end_effectors, sensors, couplings, loops, transmissions) = Default::default();
     let base = root.base;
-    let model = Model { name, base, links, joints, soles, end_effectors, sensors, home, couplings, loops };
+    let model =
+        Model { name, base, links, joints, soles, end_effectors, sensors, home, couplings, loops, transmissions };
     Ok(Loaded { model, meshes: shapes.files, mimics: Vec::new() })
 }
 

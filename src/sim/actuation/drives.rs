@@ -1,5 +1,6 @@
 //! The drives of all joints: efforts at a state, or over a velocity-level step.
 
+use super::coupled_motors::CoupledMotors;
 use super::joint_efforts;
 use crate::robot::Model;
 use crate::task::Command;
@@ -23,6 +24,8 @@ pub struct Drives {
     pub lagging: Vec<usize>,
     /// For each lagging actuator: effort and implicit term of its servo, before the lag.
     pub(super) lag_input: Vec<(f64, f64)>,
+    /// Motors of transmissions that couple joints.
+    pub coupled: Vec<CoupledMotors>,
 }
 
 impl Drives {
@@ -37,6 +40,7 @@ impl Drives {
             saturated: vec![0.0; nj],
             lagging: model.lagging().map(|j| j.0).collect(),
             lag_input: vec![(0.0, 0.0); model.lagging().count()],
+            coupled: CoupledMotors::of(model),
         }
     }
 
@@ -44,6 +48,7 @@ impl Drives {
     pub fn begin_step(&mut self) {
         self.on_speed_line.fill(false);
         self.saturated.fill(0.0);
+        self.clear_motor_marks();
     }
 
     /// Evaluates all drives at joint positions `q`, velocities `qd` and actuator states `z`. With a
@@ -64,15 +69,18 @@ impl Drives {
             self.servo[j] = effort + ahead;
             self.implicit[j] = gain;
         }
+        self.limit_torques(model, q, qd, command, dt);
         self.apply_lag(model, z, dt);
         self.limit_speeds(model, qd, dt);
+        self.limit_motor_speeds(model, qd, command, dt);
     }
 
     /// Sets `efforts` to their mean over a velocity-level step of size `dt` that changed the joint
     /// velocities by `dv`.
-    pub fn average_over_step(&mut self, dv: &[f64], dt: f64) {
+    pub fn average_over_step(&mut self, model: &Model, dv: &[f64], dt: f64) {
         for (j, effort) in self.efforts.iter_mut().enumerate() {
             *effort = self.servo[j] - self.implicit[j] * dv[j] / dt;
         }
+        self.subtract_coupled_terms(model, dv, dt);
     }
 }

@@ -11,8 +11,11 @@
 //! A velocity-level step evaluates the line at the velocity of its end. When a joint enters the
 //! band within the step, the step is set up again with the joint on the line from the start. The
 //! same holds for a drive that reaches its effort limit within the step.
+//!
+//! Limits of motors that a transmission couples are those of `coupled_motors`.
 
 use super::Drives;
+use super::coupled_motors::limits_of_motors;
 use crate::robot::Model;
 
 /// Part of the greatest speed over which the effort falls.
@@ -25,7 +28,7 @@ impl Drives {
         for (j, joint) in model.joints.iter().enumerate() {
             let (qd, most) = (qd[j], joint.velocity_limit);
             let line = dt.is_some() && self.on_speed_line[j];
-            if !(line || qd.abs() >= most * (1.0 - BAND)) {
+            if !(line || qd.abs() >= most * (1.0 - BAND)) || limits_of_motors(model, j)[1] {
                 continue;
             }
             // Speed counts in the direction of the effort. At a limit of zero no drive acts.
@@ -53,12 +56,13 @@ impl Drives {
                 None => (self.servo[j], self.implicit[j]),
             };
             let end = effort - implicit * free[j];
-            if end.abs() > joint.effort_limit && implicit > 0.0 && !self.on_speed_line[j] {
+            let is_reached = end.abs() > joint.effort_limit && implicit > 0.0 && !self.on_speed_line[j];
+            if is_reached && !limits_of_motors(model, j)[0] {
                 self.saturated[j] = end.signum();
                 any = true;
             }
         }
-        any
+        self.mark_saturated_motors(model, free) | any
     }
 
     /// Marks the joints that a velocity-level step of size `dt` brings into the band of their speed
@@ -69,11 +73,12 @@ impl Drives {
             let (along, border) = (self.servo[j].signum(), joint.velocity_limit * (1.0 - BAND));
             let begin = qd[j] * along;
             let end = begin + dt * free[j] * along;
-            if end > border && begin <= border && self.servo[j] != 0.0 {
+            let is_entered = end > border && begin <= border && self.servo[j] != 0.0;
+            if is_entered && !limits_of_motors(model, j)[1] {
                 self.on_speed_line[j] = true;
                 any = true;
             }
         }
-        any
+        self.mark_motors_entering_speed_band(model, qd, free, dt) | any
     }
 }

@@ -13,7 +13,7 @@
 //!
 //! At the start of a run z is the servo effort of the first command.
 
-use super::{Drives, joint_efforts};
+use super::Drives;
 use crate::math;
 use crate::robot::Model;
 use crate::task::Command;
@@ -39,6 +39,12 @@ impl Drives {
             self.servo[j] = z + mean * (self.lag_input[i].0 - z);
             self.implicit[j] *= mean;
         }
+        if let Some(dt) = dt.filter(|_| !self.coupled.is_empty() && !self.lagging.is_empty()) {
+            self.lag_matrices(model, |j| {
+                let lag = model.joints[j].lag;
+                if lag > 0.0 { shares(dt / lag).1 } else { 1.0 }
+            });
+        }
     }
 
     /// Rates of the efforts `z` of lagging actuators at the last evaluation.
@@ -51,7 +57,7 @@ impl Drives {
     pub fn advance_lag(&self, model: &Model, dv: &[f64], dt: f64, z: &mut [f64]) {
         for (i, &j) in self.lagging.iter().enumerate() {
             let (input, gain) = self.lag_input[i];
-            let u = input - gain / dt * dv[j];
+            let u = input - gain / dt * dv[j] - self.coupled_input(model, j, dv) / dt;
             z[i] += shares(dt / model.joints[j].lag).0 * (u - z[i]);
         }
     }
@@ -60,7 +66,7 @@ impl Drives {
     /// and velocities `qd`.
     pub fn fill_lag(&self, model: &Model, q: &[f64], qd: &[f64], command: &Command, z: &mut [f64]) {
         for (i, &j) in self.lagging.iter().enumerate() {
-            z[i] = joint_efforts::servo(&model.joints[j], j, q[j], qd[j], command).0;
+            z[i] = self.servo_at(model, j, command, |l| (q[l], qd[l]));
         }
     }
 }

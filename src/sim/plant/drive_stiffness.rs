@@ -104,7 +104,8 @@ impl DriveStiffness {
                 let slopes = drives.slopes(joint);
                 let actuator = drives.drives.lagging.iter().position(|j| *j == joint);
                 let lag = actuator.map(|i| (i, drives.model.joints[joint].lag));
-                if lag.is_some() || slopes.as_flattened().iter().any(|x| *x != 0.0) {
+                let has_slopes = slopes.as_flattened().iter().any(|x| *x != 0.0);
+                if lag.is_some() || has_slopes || drives.has_stiff_motor(joint) {
                     self.present.push(StiffJoint { mechanism, joint, lag });
                     self.slopes.push(slopes);
                 }
@@ -131,7 +132,7 @@ impl DriveStiffness {
 }
 
 impl Plant {
-    fn drives_at(&self, mechanism: usize) -> DrivesAt<'_> {
+    pub(super) fn drives_at(&self, mechanism: usize) -> DrivesAt<'_> {
         match mechanism {
             0 => DrivesAt {
                 model: &self.model,
@@ -147,7 +148,7 @@ impl Plant {
     }
 
     /// The motion that a joint's command follows, if it is interpolated.
-    fn desired_motion(&self, mechanism: usize, joint: usize) -> Option<JointMotion> {
+    pub(super) fn desired_motion(&self, mechanism: usize, joint: usize) -> Option<JointMotion> {
         let is_tracked = mechanism == 0 && self.kinematic_paths.tracked().contains(&joint);
         is_tracked.then(|| self.kinematic_paths.at(joint, self.state.time, self.within))
     }

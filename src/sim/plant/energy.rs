@@ -56,6 +56,8 @@ impl Plant {
             actuators += mean(nb + j) * (dt * servo - self.drives.implicit[j] * dv[nb + j]);
             joints -= mean(nb + j) * (dt * passive - self.implicit_passive[j] * dv[nb + j]);
         }
+        let [of_servos, of_friction] = self.drives.coupled_work(&self.model, &self.state.v[nb..], &dv[nb..]);
+        (actuators, joints) = (actuators - of_servos, joints + of_friction);
         let mut on_objects = 0.0;
         for object in &self.objects.list {
             let [of_drives, of_forces, of_joints] = object.step_work(&dv[object.velocities.clone()], dt);

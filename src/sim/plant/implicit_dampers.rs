@@ -11,7 +11,8 @@
 
 use crate::dynamics::{DynamicsError, TreeMatrix, Workspace, crba, factor};
 use crate::force::{Damper, Force, ForceContext};
-use crate::robot::LinkId;
+use crate::robot::{LinkId, Model};
+use crate::sim::actuation::Drives;
 use nalgebra::Vector3;
 
 /// The dampers of one step.
@@ -54,17 +55,33 @@ impl ImplicitDampers {
         (!self.points.is_empty()).then_some(&self.matrix)
     }
 
-    /// Factorises M with the dampers and `diagonal` added. Needs M in the workspace.
+    /// Factorises M with the dampers, terms of motors that drive several joints, and `diagonal` added.
+    /// Needs M in the workspace.
     pub fn factorize(
         &mut self,
         ws: &mut Workspace,
+        (model, drives): (&Model, &Drives),
         diagonal: &[f64],
         prescribed: &[usize],
     ) -> Result<(), DynamicsError> {
-        if !self.points.is_empty() {
+        let has_dampers = !self.points.is_empty();
+        if has_dampers {
             crba::point_masses(ws, &self.points, &mut self.matrix);
-            return factor::factorize_with(ws, &self.matrix, diagonal, prescribed);
         }
-        factor::factorize_prescribed(ws, diagonal, prescribed)
+        if !(has_dampers || drives.has_coupled_terms()) {
+            return factor::factorize_prescribed(ws, diagonal, prescribed);
+        }
+        let add = |sum: &mut TreeMatrix| {
+            if has_dampers {
+                sum.add(&self.matrix);
+            }
+            let nb = model.nb();
+            drives.coupled_terms(model, |a, b, x| {
+                if a >= b {
+                    sum.add_entry(nb + a, nb + b, x);
+                }
+            });
+        };
+        factor::factorize_with(ws, add, diagonal, prescribed)
     }
 }

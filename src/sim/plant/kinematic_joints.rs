@@ -95,6 +95,12 @@ impl Plant {
             if let Some(dampers) = self.dampers.matrix() {
                 dampers.add_column(nb + j, -self.prescribed_acceleration[j], &mut self.scratch);
             }
+            let (scratch, acceleration) = (&mut self.scratch, self.prescribed_acceleration[j]);
+            self.drives.coupled_terms(&self.model, |a, b, x| {
+                if b == j {
+                    scratch[nb + a] -= x * acceleration;
+                }
+            });
         }
         for &j in self.kinematic_paths.joints() {
             self.scratch[nb + j] = self.ws.bias[nb + j] + self.prescribed_acceleration[j];
@@ -127,6 +133,8 @@ impl Plant {
             let of_robot = dv[..self.model.nv()].iter().enumerate();
             of_robot.for_each(|(k, dv)| dampers.add_column(k, *dv, &mut self.scratch));
         }
+        let scratch = &mut self.scratch;
+        self.drives.coupled_terms(&self.model, |a, b, x| scratch[nb + a] += x * dv[nb + b]);
         for &j in self.kinematic_paths.joints() {
             let k = nb + j;
             let contact = self.contact_load(&self.solution.wrench, k);

@@ -23,6 +23,7 @@ pub mod implicit_dampers;
 pub mod implicit_forces;
 pub mod kinematic_joints;
 mod mechanism_states;
+mod motor_stiffness;
 mod object_forces;
 pub mod objects;
 pub mod pair_vertices;

@@ -122,7 +122,7 @@ impl Object {
         crba::mass_matrix(&self.model, ws);
         self.drives.begin_step();
         self.efforts(dt, tau);
-        self.external.dampers.factorize(ws, &self.diagonal, &[])?;
+        self.external.dampers.factorize(ws, (&self.model, &self.drives), &self.diagonal, &[])?;
         let (true, Some(dt)) = (self.model.nj() > 0, dt) else { return Ok(()) };
         for ((free, tau), h) in self.scratch.iter_mut().zip(tau.iter()).zip(&ws.bias) {
             *free = tau - h;
@@ -135,7 +135,7 @@ impl Object {
             | self.drives.mark_saturated(&self.model, free)
         {
             self.efforts(Some(dt), tau);
-            self.external.dampers.factorize(ws, &self.diagonal, &[])?;
+            self.external.dampers.factorize(ws, (&self.model, &self.drives), &self.diagonal, &[])?;
         }
         Ok(())
     }
@@ -156,6 +156,7 @@ impl Object {
                 self.diagonal[nb..].iter_mut().zip(terms).for_each(|(sum, (passive, drive))| *sum += passive + drive);
             }
         }
+        self.drives.add_motor_friction(&self.model, qd, dt, &mut self.passive);
         tau.copy_from_slice(&self.external.tau);
         for (tau, (servo, passive)) in tau[nb..].iter_mut().zip(self.drives.servo.iter().zip(&self.passive)) {
             *tau += servo + passive;
@@ -193,6 +194,8 @@ impl Object {
             drives += mean * (dt * servo - self.drives.implicit[j] * dv[nb + j]);
             joints -= mean * (dt * passive - self.implicit_passive[j] * dv[nb + j]);
         }
+        let [of_servos, of_friction] = self.drives.coupled_work(&self.model, &self.state.v[nb..], &dv[nb..]);
+        (drives, joints) = (drives - of_servos, joints + of_friction);
         [drives, self.external.step_work(&self.state.v, dv, dt), joints]
     }
 
@@ -204,7 +207,7 @@ impl Object {
     /// Ends a velocity-level step of size `dt` that changed its velocity by `dv`.
     pub fn end_step(&mut self, dv: &[f64], dt: f64) {
         let nb = self.model.nb();
-        self.drives.average_over_step(&dv[nb..], dt);
+        self.drives.average_over_step(&self.model, &dv[nb..], dt);
         self.drives.advance_lag(&self.model, &dv[nb..], dt, &mut self.state.actuators);
     }
 }

@@ -341,6 +341,7 @@ impl Plant {
                 joint_efforts::passive_implicit(&self.model, stops, joints, rates, dt, passive, implicit);
             }
         }
+        self.drives.add_motor_friction(&self.model, rates, dt, &mut self.passive);
         self.evaluate_forces(dt);
         let tau = &mut self.tau[..self.model.nv()];
         tau.copy_from_slice(&self.external);
@@ -354,7 +355,8 @@ impl Plant {
         rnea::bias(&mut self.ws, &self.gravity);
         crba::mass_matrix(&self.model, &mut self.ws);
         let prescribed = &self.reduced.prescribed;
-        self.failure = self.dampers.factorize(&mut self.ws, &self.implicit_diagonal, prescribed).err();
+        let drives = (&*self.model, &self.drives);
+        self.failure = self.dampers.factorize(&mut self.ws, drives, &self.implicit_diagonal, prescribed).err();
         let of_objects = self.objects.evaluate(&self.gravity, dt, &mut self.tau);
         self.failure = self.failure.take().or(of_objects.err());
         if !self.refreshed {

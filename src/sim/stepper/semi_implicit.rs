@@ -130,7 +130,7 @@ pub(super) fn apply_step(sim: &mut RunState, dt: f64, end: f64) {
     plant.add_velocity(&sim.displacement);
     plant.add_present_forces(1.0);
     let nb = plant.model.nb();
-    plant.drives.average_over_step(&sim.displacement[nb..], dt);
+    plant.drives.average_over_step(&plant.model, &sim.displacement[nb..], dt);
     plant.update_multipliers_over_step(dt);
     plant.drive_reactions_over_step(&sim.displacement, dt);
     let (flows, jumps) = plant.step_flows(&sim.displacement, dt);
