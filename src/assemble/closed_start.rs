@@ -102,12 +102,8 @@ fn worst(model: &Model, ws: &Workspace) -> String {
         let (joint, leader) = (&model.joints[coupling.joint.0].name, &model.joints[coupling.leader.0].name);
         (errors[i].abs(), format!("the coupling of joint `{joint}` to `{leader}`"))
     });
-    let mut row = model.couplings.len();
-    let of_loops = model.loops.iter().map(|closure| {
-        let rows = row..row + closure.kind.number();
-        row = rows.end;
-        let error = errors[rows].iter().map(|e| e.abs()).fold(0.0, f64::max);
-        (error, format!("the loop `{}`", closure.name))
-    });
+    let of_loops = model
+        .loop_conditions()
+        .map(|(closure, rows)| (ws.constraints.greatest_error_of(rows), format!("the loop `{}`", closure.name)));
     of_couplings.chain(of_loops).max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(String::new, |(_, name)| name)
 }

@@ -100,10 +100,10 @@ fn hold(run: &Run, path: &str, spec: &ModelObject, model: &mut Model, errors: &m
             ..DriveSettings::default()
         };
         let mut has_match = false;
-        let is_meant = |j: usize, name: &str| name == servo.joints || model.coupling_of(JointId(j)).is_none();
-        let matching = names.iter().enumerate().filter(|(_, name)| matches(&servo.joints, name));
-        let matching: Vec<&String> = matching.filter(|(j, name)| is_meant(*j, name)).map(|(_, name)| name).collect();
-        for name in matching {
+        for (j, name) in names.iter().enumerate().filter(|(_, name)| matches(&servo.joints, name)) {
+            if !model.is_meant(&servo.joints, JointId(j)) {
+                continue;
+            }
             has_match = true;
             if let Err(error) = adjustments::set_drive(model, name, &settings) {
                 errors.push(run.error_at(&format!("{path}.servo.{k}"), error.to_string(), None));

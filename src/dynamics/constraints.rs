@@ -28,6 +28,7 @@
 
 use crate::robot::{LoopClosure, Model};
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// Part of a condition that no others determine, below which it is redundant: rounding of its row.
 const REDUNDANT: f64 = 1e-9;
@@ -126,6 +127,11 @@ impl Constraints {
     /// The greatest error of a condition, m or rad.
     pub fn greatest_error(&self) -> f64 {
         greatest(&self.error)
+    }
+
+    /// The greatest error of these conditions, m or rad.
+    pub fn greatest_error_of(&self, conditions: Range<usize>) -> f64 {
+        greatest(&self.error[conditions])
     }
 
     /// Sets the length of a velocity-level step, s; `None` for continuous time.

@@ -8,7 +8,7 @@ use super::coupled_joints;
 use super::joint_names::joint_index;
 use super::link_poses::link_poses;
 use super::loop_entries;
-use super::model::{DriveMode, EndEffector, JointId, JointKind, LinkId, Model, Mount, SensorFrame};
+use super::model::{DriveMode, EndEffector, Joint, JointId, JointKind, LinkId, Model, Mount, SensorFrame};
 use super::notices::Notices;
 use super::payload;
 use super::robot_error::{FileError, RobotError};
@@ -124,11 +124,12 @@ fn match_kinematic(file: &RobotFile, source: &Source, model: &Model) -> Result<V
     let mut matched = vec![false; model.joints.len()];
     for pattern in file.kinematic.iter().flatten() {
         let mut has_match = false;
-        // Patterns leave out following joints; a name does not, and is refused with the drives.
-        let is_meant = |j: usize, name: &str| name == pattern.get_ref() || model.coupling_of(JointId(j)).is_none();
-        let of_joints =
-            matched.iter_mut().zip(&model.joints).enumerate().filter(|(_, (_, j))| matches(pattern.get_ref(), &j.name));
-        for (_, (matched, joint)) in of_joints.filter(|(j, (_, joint))| is_meant(*j, &joint.name)) {
+        // The name of a following joint is refused with the drives.
+        let of_joints = matched.iter_mut().zip(&model.joints).enumerate();
+        let is_meant = |j: usize, joint: &Joint| {
+            matches(pattern.get_ref(), &joint.name) && model.is_meant(pattern.get_ref(), JointId(j))
+        };
+        for (_, (matched, joint)) in of_joints.filter(|(j, (_, joint))| is_meant(*j, joint)) {
             (has_match, *matched) = (true, true);
             let own = file.joint.get(joint.name.as_str()).and_then(|entry| entry.get_ref().mode.as_ref());
             if let Some(mode) = own.filter(|mode| *mode.get_ref() != ModeWord::Kinematic) {

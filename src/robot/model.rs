@@ -17,6 +17,7 @@ use super::friction::JointFrictionLaw;
 use super::rigid_inertia::RigidInertia;
 use super::transmission::Transmission;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use std::ops::Range;
 
 macro_rules! index {
     ($(#[$doc:meta])* $name:ident) => {
@@ -345,6 +346,22 @@ impl Model {
     /// The transmission that couples a joint with others.
     pub fn coupled_transmission_of(&self, joint: JointId) -> Option<&Transmission> {
         self.coupled_transmissions().find(|transmission| transmission.joints.contains(&joint))
+    }
+
+    /// Whether a pattern of joint names means a joint that it matches: it leaves out those that follow others, a
+    /// name does not.
+    pub fn is_meant(&self, pattern: &str, joint: JointId) -> bool {
+        self.joints[joint.0].name == pattern || self.coupling_of(joint).is_none()
+    }
+
+    /// The loops with their conditions, which come after those of the couplings.
+    pub fn loop_conditions(&self) -> impl Iterator<Item = (&LoopClosure, Range<usize>)> {
+        let mut next = self.couplings.len();
+        self.loops.iter().map(move |closure| {
+            let first = next;
+            next += closure.kind.number();
+            (closure, first..next)
+        })
     }
 
     /// The coupling that a joint follows.

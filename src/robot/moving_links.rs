@@ -9,6 +9,9 @@ use super::model::{Drive, Joint, JointKind, Link, LinkId};
 /// a chain: 0.3 s for one of 1024 joints, which is also how late a run is cancelled.
 pub(super) const MAX_JOINTS: usize = 1024;
 
+/// Limits from this size on are none: what formats write that have no other word for it.
+pub const NO_LIMIT: f64 = 1e16;
+
 /// A joint without limits, friction or actuator.
 pub(super) fn free_joint(name: String, kind: JointKind) -> Joint {
     Joint {

@@ -104,11 +104,8 @@ fn accelerations_and_forces_of_loops_are_those_of_pinocchio() {
         }
         let mut lambda = vec![0.0; ws.constraints.number()];
         reduced::multipliers(&ws, &mut reduced, 0, &[], &mut lambda);
-        let mut row = 0;
-        for (of, closure) in case.loops.iter().zip(&model.loops) {
-            let rows = closure.kind.number();
-            let [force, moment] = ws.constraints.loop_load(row, &lambda[row..row + rows]);
-            row += rows;
+        for (of, (_, rows)) in case.loops.iter().zip(model.loop_conditions()) {
+            let [force, moment] = ws.constraints.loop_load(rows.start, &lambda[rows]);
             let scale = Vector3::from(of.force).norm();
             for i in 0..3 {
                 close(&format!("case {number}, force {i}"), force[i], of.force[i], scale);

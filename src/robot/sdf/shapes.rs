@@ -1,12 +1,11 @@
-//! Shapes of links. Meshes are read once each.
+//! Shapes of links.
 
-use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use nalgebra::{Isometry3, Vector3};
 
-use crate::files::input;
-use crate::mesh::{self, MeshError};
+use crate::mesh::MeshError;
+use crate::robot::mesh_store::MeshStore;
 use crate::robot::model::{Geometry, Shape};
 use crate::robot::notices::Notices;
 use crate::sdf::{self, Geometry as Written, Pose, Shape as WrittenShape};
@@ -16,9 +15,7 @@ const GREY: [f32; 4] = [0.7, 0.7, 0.7, 1.0];
 /// Converts shapes and records the mesh files read.
 #[derive(Default)]
 pub(super) struct Shapes {
-    /// Mesh files read so far, each once.
-    pub files: Vec<(PathBuf, Vec<u8>)>,
-    decoded: HashMap<PathBuf, Result<mesh::Decoded, MeshError>>,
+    pub meshes: MeshStore,
 }
 
 impl Shapes {
@@ -77,21 +74,6 @@ impl Shapes {
         scale: &Vector3<f64>,
     ) -> Result<(Geometry, Option<String>), MeshError> {
         let folder = shape.at.source.path().parent().unwrap_or(Path::new(""));
-        let path = sdf::resolve_uri(folder, uri)?;
-        if !self.decoded.contains_key(&path) {
-            let bytes = input::read(&path, input::MOST_DATA)?;
-            self.decoded.insert(path.clone(), mesh::decode(&bytes, &path));
-            self.files.push((path.clone(), bytes));
-        }
-        match &self.decoded[&path] {
-            Ok(_) if scale.iter().filter(|s| **s == 0.0).count() > 1 => {
-                Err(format!("the scale {} {} {} reduces it to nothing", scale.x, scale.y, scale.z).into())
-            }
-            Ok(mesh) => {
-                let (points, triangles) = mesh.scaled(scale).ok_or("its vertices at this scale are too large")?;
-                Ok((Geometry::Mesh(points, triangles), mesh.remark.clone()))
-            }
-            Err(reason) => Err(reason.clone()),
-        }
+        self.meshes.scaled(&sdf::resolve_uri(folder, uri)?, scale)
     }
 }

@@ -66,7 +66,7 @@ pub(super) fn build(
     let Builder { links, joints, sensors, shapes, .. } = builder;
     let model =
         Model { name, base, links, joints, soles, end_effectors, sensors, home, couplings, loops, transmissions };
-    Ok(Loaded { model, meshes: shapes.files, mimics })
+    Ok(Loaded { model, meshes: shapes.meshes.files, mimics })
 }
 
 /// The root link, or none for the world, and how it is held. A model with a joint of the world, or

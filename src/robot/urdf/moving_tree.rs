@@ -54,7 +54,7 @@ pub(super) fn build(
     let base = root.base;
     let model =
         Model { name, base, links, joints, soles, end_effectors, sensors, home, couplings, loops, transmissions };
-    Ok(Loaded { model, meshes: shapes.files, mimics: Vec::new() })
+    Ok(Loaded { model, meshes: shapes.meshes.files, mimics: Vec::new() })
 }
 
 /// Refuses a robot with too many moving joints.

@@ -67,13 +67,9 @@ impl Plant {
     /// Force and moment, world, of each loop on its first link at its first frame's origin, with the greatest
     /// error of its conditions; those of the last [`update_multipliers`](Self::update_multipliers).
     pub fn loop_loads(&self) -> impl Iterator<Item = ([Vector3<f64>; 2], f64)> {
-        let mut row = self.model.couplings.len();
-        self.model.loops.iter().map(move |closure| {
-            let rows = row..row + closure.kind.number();
-            row = rows.end;
-            let constraints = &self.ws.constraints;
-            let lambda = &self.multipliers[rows.clone()];
-            (constraints.loop_load(rows.start, lambda), greatest(&constraints.error[rows]))
+        self.model.loop_conditions().map(|(_, rows)| {
+            let (constraints, lambda) = (&self.ws.constraints, &self.multipliers[rows.clone()]);
+            (constraints.loop_load(rows.start, lambda), constraints.greatest_error_of(rows))
         })
     }
 
@@ -82,8 +78,4 @@ impl Plant {
         let errors = &self.ws.constraints.error;
         self.multipliers.iter().zip(errors).take(self.model.couplings.len()).map(|(lambda, error)| (*lambda, *error))
     }
-}
-
-fn greatest(errors: &[f64]) -> f64 {
-    errors.iter().map(|e| e.abs()).fold(0.0, f64::max)
 }

@@ -1,14 +1,14 @@
 //! Visual and collision elements as [`Shape`]s.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use roxmltree::Node;
 
 use super::package;
-use crate::files::input;
-use crate::mesh::{self, MeshError};
+use crate::mesh::MeshError;
+use crate::robot::mesh_store::MeshStore;
 use crate::robot::model::{Geometry, Shape};
 use crate::robot::notices::Notices;
 use crate::robot::urdf::xml::{Xml, describe};
@@ -29,16 +29,13 @@ pub(in crate::robot::urdf) struct Shapes<'a> {
     xml: &'a Xml<'a>,
     /// Materials declared under `<robot>`, by name; the first of each name.
     materials: HashMap<&'a str, &'a urdf_rs::Material>,
-    /// Mesh files read so far, each once.
-    pub files: Vec<(PathBuf, Vec<u8>)>,
-    /// The same files as triangles: several links may share one.
-    decoded: HashMap<PathBuf, Result<mesh::Decoded, MeshError>>,
+    pub meshes: MeshStore,
 }
 
 impl<'a> Shapes<'a> {
     pub fn new(xml: &'a Xml<'a>, materials: &'a [urdf_rs::Material]) -> Self {
         let materials = materials.iter().rev().map(|material| (material.name.as_str(), material)).collect();
-        Self { xml, materials, files: Vec::new(), decoded: HashMap::new() }
+        Self { xml, materials, meshes: MeshStore::default() }
     }
 
     /// All visual shapes of a link, in the frame in which the link's URDF frame has pose `frame`.
@@ -102,23 +99,7 @@ impl<'a> Shapes<'a> {
     /// The shape and the remark of its reader.
     fn mesh(&mut self, filename: &str, scale: Vector3<f64>) -> Result<(Geometry, Option<String>), MeshError> {
         let folder = self.xml.source.path().parent().unwrap_or(Path::new("."));
-        let path = package::resolve(folder, filename)?;
-        if !self.decoded.contains_key(&path) {
-            let bytes = input::read(&path, input::MOST_DATA)?;
-            self.decoded.insert(path.clone(), mesh::decode(&bytes, &path));
-            self.files.push((path.clone(), bytes));
-        }
-        match &self.decoded[&path] {
-            // A mesh without extent in two directions is a line or a point.
-            Ok(_) if scale.iter().filter(|s| **s == 0.0).count() > 1 => {
-                Err(format!("the scale {} {} {} reduces it to nothing", scale.x, scale.y, scale.z).into())
-            }
-            Ok(mesh) => {
-                let (points, triangles) = mesh.scaled(&scale).ok_or("its vertices at this scale are too large")?;
-                Ok((Geometry::Mesh(points, triangles), mesh.remark.clone()))
-            }
-            Err(reason) => Err(reason.clone()),
-        }
+        self.meshes.scaled(&package::resolve(folder, filename)?, &scale)
     }
 
     /// A visual's own colour, or the one of the material of that name declared under `<robot>`.
