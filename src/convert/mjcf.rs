@@ -58,6 +58,18 @@ pub(super) fn write(model: &Model, folder: &str) -> Converted {
     Converted { text: head.text + rest, meshes: meshes.files, warnings }
 }
 
+/// Name of a link's body. `world` is that of MuJoCo's own root.
+fn body_name(model: &Model, link: &Link) -> String {
+    if link.name != "world" {
+        return link.name.clone();
+    }
+    let mut name = "world_body".to_owned();
+    while model.links.iter().any(|other| other.name == name) {
+        name.push('_');
+    }
+    name
+}
+
 /// The bodies under construction.
 struct Tree<'a> {
     model: &'a Model,
@@ -127,9 +139,8 @@ impl Tree<'_> {
             None => Isometry3::identity(),
         };
         let (pos, quat) = (numbers(pose.translation.vector.as_slice()), wxyz(&pose.rotation));
-        // The name `world` is that of MuJoCo's own root.
-        let name = if link.name == "world" { "world_body" } else { &link.name };
-        self.lines.open(&format!("<body name=\"{}\" pos=\"{pos}\" quat=\"{quat}\">", escape(name)));
+        let name = escape(&body_name(model, link));
+        self.lines.open(&format!("<body name=\"{name}\" pos=\"{pos}\" quat=\"{quat}\">"));
         if link.mass > 0.0 || link.inertia.amax() > 0.0 {
             inertial(&mut self.lines, &link.body().transformed(&link.urdf_frame.inverse()));
         }

@@ -75,7 +75,7 @@ pub(super) fn equalities(model: &Model, lines: &mut Lines, warnings: &mut Vec<St
 /// The drives of joints.
 pub(super) fn actuators(model: &Model, lines: &mut Lines) {
     let mut inner = Vec::new();
-    for joint in model.joints.iter().filter(|j| j.drive_configured) {
+    for joint in &model.joints {
         let (name, kp, kd) = (escape(&joint.name), number(joint.drive.kp), number(joint.drive.kd));
         let head = match joint.drive.mode {
             DriveMode::Position => format!("<position name=\"{name}\" joint=\"{name}\" kp=\"{kp}\" kv=\"{kd}\""),

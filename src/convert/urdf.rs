@@ -12,10 +12,7 @@ use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use super::mesh_files::MeshFiles;
 use super::xml_text::{Lines, direction, escape, number, numbers, origin};
 use super::{Converted, joint_warnings, list};
-use crate::robot::{Base, Coupling, Geometry, Joint, JointKind, Link, Model, RigidInertia, Shape};
-
-/// Limit that stands for none: URDF requires all limits of revolute and prismatic joints.
-const FAR: f64 = 1e16;
+use crate::robot::{Base, Coupling, Geometry, Joint, JointKind, Link, Model, NO_LIMIT, RigidInertia, Shape};
 
 /// End of the name of a link between a joint and the link it moves.
 pub const AXIS_LINK: &str = "/axis";
@@ -117,14 +114,16 @@ impl<'a> Writer<'a> {
         let moved: Vec<&str> = model.links.iter().filter(is_moved).map(|link| link.name.as_str()).collect();
         list("the position of the frame, which is moved to the joint,", "link", &moved, warnings);
         let is_open = |j: &&Joint| {
-            let all = [-j.lower, j.upper, j.effort_limit, j.velocity_limit];
-            j.kind != JointKind::Continuous && all.contains(&f64::INFINITY)
+            let drives = [j.effort_limit, j.velocity_limit];
+            let is_limited = j.kind != JointKind::Continuous || drives.iter().any(|limit| limit.is_finite());
+            let has_range = j.kind == JointKind::Continuous || (-j.lower).max(j.upper).is_finite();
+            is_limited && !(has_range && drives.iter().all(|limit| limit.is_finite()))
         };
         let open: Vec<&str> = model.joints.iter().filter(is_open).map(|j| j.name.as_str()).collect();
         if let [first, rest @ ..] = &open[..] {
             let more = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
             let limits = format!("limits that joint `{first}`{more} lacks");
-            warnings.push(format!("{limits} are written as {FAR:e}, as URDF requires them"));
+            warnings.push(format!("{limits} are written as {NO_LIMIT:e}, as URDF requires them"));
         }
         joint_warnings(model, false, warnings);
         let loops: Vec<&str> = model.loops.iter().map(|l| l.name.as_str()).collect();
@@ -167,13 +166,13 @@ impl<'a> Writer<'a> {
         lines.line(&format!("<axis xyz=\"{}\"/>", numbers(axis.as_slice())));
         let mut limit = String::new();
         if joint.kind != JointKind::Continuous {
-            let (lower, upper) = (joint.lower.max(-FAR), joint.upper.min(FAR));
+            let (lower, upper) = (joint.lower.max(-NO_LIMIT), joint.upper.min(NO_LIMIT));
             limit += &format!(" lower=\"{}\" upper=\"{}\"", number(lower), number(upper));
         }
-        for (key, value) in [("effort", joint.effort_limit), ("velocity", joint.velocity_limit)] {
-            if value.is_finite() || joint.kind != JointKind::Continuous {
-                limit += &format!(" {key}=\"{}\"", number(value.min(FAR)));
-            }
+        // Other readers want both or, of a continuous joint, none.
+        let drives = [("effort", joint.effort_limit), ("velocity", joint.velocity_limit)];
+        if joint.kind != JointKind::Continuous || drives.iter().any(|(_, value)| value.is_finite()) {
+            drives.iter().for_each(|(key, value)| limit += &format!(" {key}=\"{}\"", number(value.min(NO_LIMIT))));
         }
         if !limit.is_empty() {
             lines.line(&format!("<limit{limit}/>"));

@@ -61,9 +61,7 @@ fn a_converted_urdf_reads_back_to_the_same_robot() {
         for (a, b) in before.joints.iter().zip(&after.joints) {
             assert_eq!((a.kind, a.lower, a.upper), (b.kind, b.lower, b.upper), "{name} {}", a.name);
             assert_eq!((a.damping, a.friction), (b.damping, b.friction), "{name} {}", a.name);
-            // A limit that is missing is written as 1e16.
-            let open = |x: f64| if x >= 1e16 { f64::INFINITY } else { x };
-            assert_eq!((open(a.effort_limit), open(a.velocity_limit)), (open(b.effort_limit), open(b.velocity_limit)));
+            assert_eq!((a.effort_limit, a.velocity_limit), (b.effort_limit, b.velocity_limit), "{name} {}", a.name);
         }
         for (a, b) in before.links.iter().zip(&after.links) {
             assert!((a.mass - b.mass).abs() <= 1e-12 * a.mass || b.name == "world", "{name} {}", a.name);
@@ -86,6 +84,39 @@ fn converting_twice_gives_the_same_bits() {
     place.runner(&["convert", "block/block.toml", "-o", "a.urdf"]).exits(0);
     place.runner(&["convert", "a.urdf", "-o", "b.urdf"]).exits(0);
     assert_eq!(fs::read(place.path("a.urdf")).unwrap(), fs::read(place.path("b.urdf")).unwrap());
+}
+
+/// Motors stay motors, limits that are missing stay so, and names stay unique.
+#[test]
+fn motors_limits_and_names_survive_both_formats() {
+    let place = Place::new();
+    let model = r#"<mujoco model="m"><compiler angle="radian"/><worldbody><body name="world_body">
+        <joint name="i" axis="0 0 1"/><geom size="0.1"/><body name="b"><joint name="j" axis="0 1 0" actuatorfrcrange="-5 5"/><geom size="0.1"/>
+        <body name="c"><joint name="k" axis="0 1 0"/><geom size="0.1" pos="0.1 0 0"/></body></body></body>
+        <body name="d"><joint name="l" axis="1 0 0"/><geom size="0.1" pos="0 0.1 0"/></body>
+        </worldbody><actuator><motor joint="j"/></actuator><contact><exclude body1="b" body2="d"/></contact></mujoco>"#;
+    place.write("m.xml", model);
+    let done = place.runner(&["convert", "m.xml", "-o", "n.xml"]).exits(0);
+    assert!(done.stderr.contains("1 pair of links that are not checked"), "{}", done.stderr);
+    let (before, after) = (load(&place.path("m.xml")).unwrap().model, load(&place.path("n.xml")).unwrap().model);
+    for (a, b) in before.joints.iter().zip(&after.joints) {
+        assert_eq!((a.drive.mode, a.drive_configured), (b.drive.mode, b.drive_configured), "{}", a.name);
+        assert_eq!(a.effort_limit, b.effort_limit, "{}", a.name);
+    }
+    let text = fs::read_to_string(place.path("n.xml")).unwrap();
+    assert!(text.contains("<body name=\"world_body\"") && text.contains("<body name=\"world_body_\""), "{text}");
+    let done = place.runner(&["convert", "m.xml", "-o", "m.urdf"]).exits(0);
+    assert!(done.stderr.contains("limits that joint `j` lacks are written as 1e16"), "{}", done.stderr);
+    // Other readers refuse an effort limit without a velocity limit.
+    let text = fs::read_to_string(place.path("m.urdf")).unwrap();
+    assert_eq!(text.matches("<limit").count(), 1, "{text}");
+    assert!(text.contains("<limit effort=\"5\" velocity=\"1e16\"/>"), "{text}");
+    let joint = &load(&place.path("m.urdf")).unwrap().model.joints[1];
+    assert_eq!((joint.effort_limit, joint.velocity_limit), (5.0, f64::INFINITY));
+    // A folder is refused before anything is written.
+    fs::create_dir(place.path("f.urdf")).unwrap();
+    let done = place.runner(&["convert", "m.xml", "-o", "f.urdf"]).exits(2);
+    assert!(done.stderr.contains("f.urdf is a folder") && !place.path("f_meshes").exists(), "{}", done.stderr);
 }
 
 const COUPLED: &str = r#"<sdf version="1.11"><model name="m">

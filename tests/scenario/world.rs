@@ -141,7 +141,12 @@ fn errors_point_into_the_world_file_or_to_its_key() {
     }
     // A missing model that is left out need not exist.
     let text = "[world]\nfile = \"w.sdf\"\nignore = [\"none\"]";
-    run(text, &world("<include><uri>model://none</uri></include>")).unwrap();
+    let run_without = run(text, &world("<include><uri>model://none</uri></include>")).unwrap();
+    let is_unmatched = |run: &Run| run.warnings.0.iter().any(|w| w.message.contains("nothing in the world matches"));
+    assert!(!is_unmatched(&run_without));
+    // An entry that matches nothing is a warning at its place.
+    let unmatched = run("[world]\nfile = \"w.sdf\"\nignore = [\"non\"]", &world(STEP)).unwrap();
+    assert!(is_unmatched(&unmatched), "{:?}", unmatched.warnings);
 }
 
 #[test]

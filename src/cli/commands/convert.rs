@@ -38,6 +38,9 @@ impl Convert {
             "xml" | "mjcf" => RobotFormat::Mjcf,
             _ => return Err(refuse(format!("{}: use .urdf, or .xml for MJCF", visible_path(&self.output)))),
         };
+        if self.output.is_dir() {
+            return Err(refuse(format!("{} is a folder: give the name of a file", visible_path(&self.output))));
+        }
         let stem = self.output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let robot = robot::load_with(&self.robot, self.repair.then_some(InertiaPolicy::Repair)).map_err(|error| {
             complain_drawn(&error.render(colour::on_stderr()));
@@ -65,6 +68,10 @@ impl Convert {
                 complain_of(&error);
                 Exit::of_writing(&error)
             })?;
+        }
+        if !robot.self_collision.ignore.is_empty() {
+            let pairs = plural(robot.self_collision.ignore.len(), "pair");
+            complain(&format!("warning: {pairs} of links that are not checked for self-collision: not written"));
         }
         for warning in &converted.warnings {
             complain(&format!("warning: {warning}"));

@@ -9,6 +9,7 @@ use urdf_rs::JointType;
 use super::xml::{Xml, child};
 use crate::robot::friction::{SLIP_SPEED, STRIBECK_SPEED};
 use crate::robot::model::{Drive, Joint, JointKind};
+use crate::robot::moving_links::NO_LIMIT;
 use crate::robot::notices::Notices;
 use crate::robot::robot_error::RobotError;
 use crate::text::suggest::nearest;
@@ -97,6 +98,11 @@ pub(super) fn remove_invalid_mimics(mimics: &mut Vec<Mimic>, xml: &Xml, notices:
     mimics.retain(|m| !invalid.contains(&m.joint));
 }
 
+/// The limit, infinite from [`NO_LIMIT`] on.
+fn unlimited(limit: f64) -> f64 {
+    if limit.abs() >= NO_LIMIT { limit.signum() * f64::INFINITY } else { limit }
+}
+
 /// The joint without its drive. Errors: one limit absent, lower limit above the upper one.
 pub(super) fn joint(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) -> Result<Joint, RobotError> {
     let name = &joint.name;
@@ -124,7 +130,7 @@ pub(super) fn joint(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) ->
                 return Err(fault.expected(expected).help(help).invalid());
             }
         }
-        (lower, upper) = (joint.limit.lower, joint.limit.upper);
+        (lower, upper) = (unlimited(joint.limit.lower), unlimited(joint.limit.upper));
         if lower > upper {
             let fault = xml.fault(limit.unwrap_or(node), format!("joint `{name}`: the lower limit is above the upper"));
             return Err(fault.found(format!("{lower} > {upper}")).expected("lower <= upper").invalid());
@@ -139,7 +145,7 @@ pub(super) fn joint(xml: &Xml, joint: &urdf_rs::Joint, notices: &mut Notices) ->
             if value == 0.0 {
                 notices.warning(xml.source, at, format!("joint `{name}`: {attribute} limit 0 lets no drive act"));
             }
-            return value;
+            return unlimited(value);
         }
         notices.info(xml.source, at, format!("joint `{name}` has no {attribute} limit: taken as unlimited"));
         f64::INFINITY

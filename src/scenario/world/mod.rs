@@ -52,6 +52,7 @@ impl Worlds {
             }
         };
         let span = node.get("file").map_or(node.span.clone(), |file| file.span.clone());
+        let ignore = node.get("ignore").map_or(span.clone(), |ignore| ignore.span.clone());
         let key = (spec.file.clone(), spec.ignore.clone());
         let world = match self.read.get(&key) {
             Some(known) => known.clone(),
@@ -75,7 +76,7 @@ impl Worlds {
                 self.read.entry(key).or_insert(Arc::new(world)).clone()
             }
         };
-        world.report(&span, findings);
+        world.report((&span, &ignore), findings);
         world.insert(root);
         Some(world)
     }

@@ -1,5 +1,6 @@
 //! Reads a world file to nodes of a scenario's tree.
 
+use std::cell::RefCell;
 use std::path::Path;
 
 use super::entries::Entries;
@@ -25,11 +26,17 @@ pub struct WorldNodes {
     unused_floor: Option<(Span, String)>,
     gravity: Option<Node>,
     found: Vec<(Severity, Span, String, Option<String>)>,
+    /// Entries of `ignore` that match nothing.
+    unmatched: Vec<String>,
 }
 
 impl WorldNodes {
     /// Reports errors, warnings and notes. Those of an earlier cell are not repeated.
-    pub(super) fn report(&self, span: &Span, findings: &mut Findings) {
+    pub(super) fn report(&self, (span, ignore): (&Span, &Span), findings: &mut Findings) {
+        for pattern in &self.unmatched {
+            let message = format!("nothing in the world matches {pattern:?} of `world.ignore`");
+            findings.warning(ignore.clone(), message, None);
+        }
         if self.terrain.is_empty() && self.object.is_empty() && self.floor.is_none() && self.found.is_empty() {
             findings.warning(span.clone(), "the world has no bodies", None);
         }
@@ -88,7 +95,16 @@ impl Spans<'_> {
 pub(super) fn read(source: &Source, spec: &WorldSpec, base: &Path, sources: &mut Sources) -> WorldNodes {
     let mut spans = Spans { sources, added: Vec::new() };
     let mut nodes = WorldNodes::default();
-    let skip = |name: &str| spec.ignore.iter().any(|pattern| matches(pattern, name));
+    let matched = RefCell::new(vec![false; spec.ignore.len()]);
+    let skip = |name: &str| {
+        let mut matched = matched.borrow_mut();
+        let each = spec.ignore.iter().zip(&mut *matched).map(|(pattern, matched)| {
+            let is_skipped = matches(pattern, name);
+            *matched |= is_skipped;
+            is_skipped
+        });
+        each.fold(false, |any, is_skipped| any | is_skipped)
+    };
     let is_mjcf = matches!(root_tag(source.text()), Some((_, "mujoco" | "mujocoinclude")));
     let read = if is_mjcf { read_mjcf_world(source, &skip) } else { sdf::read_selected(source, &skip) };
     let read = read.and_then(|document| only_world(source, document));
@@ -99,6 +115,10 @@ pub(super) fn read(source: &Source, spec: &WorldSpec, base: &Path, sources: &mut
         }
         add(&world, spec, base, &mut spans, &mut nodes)
     });
+    if done.is_ok() {
+        let each = spec.ignore.iter().zip(matched.into_inner());
+        nodes.unmatched = each.filter(|(_, matched)| !matched).map(|(pattern, _)| pattern.clone()).collect();
+    }
     if let Err(error) = done {
         let help = error.0.help.clone();
         nodes.found.push((Severity::Error, spans.of(&error.0.at), error.sentence(), help));
