@@ -10,6 +10,7 @@ use crate::sim::plant::objects::named_links;
 use crate::sim::setup::Start;
 use crate::text::{pattern, suggest};
 
+use super::friction::extra;
 use super::objects::Object;
 
 /// The rules of `[[contact.pair]]`. A name that no body has is an error.
@@ -48,7 +49,7 @@ pub(super) fn rules(run: &Run, model: &Model, objects: &[Object], errors: &mut V
                 Some("`robot.soles` and `robot.contact` choose them; `floor.plane = false` removes the plane".into()),
             ));
         }
-        let friction = friction.map(|f| Friction { mu_s: f.static_, mu_k: f.kinetic });
+        let friction = friction.map(|f| Friction { mu_s: f.static_, mu_k: f.kinetic, extra: extra(f) });
         rules.push(PairRule { bodies: bodies.clone(), friction, touch: *touch });
     }
     PairRules(rules)

@@ -40,6 +40,9 @@ pub(super) fn changes(
             floor: changes_part("floor.").then(|| floor(after, errors)),
             ..ScenarioEvent::default()
         };
+        if change.floor.is_some() {
+            pairing::check_moments(after, errors);
+        }
         if change.restitution.is_some() {
             pairing::check_restitution(after, errors);
         }

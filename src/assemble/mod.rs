@@ -11,6 +11,7 @@ mod closed_start;
 mod contact_pairs;
 mod events;
 mod forces;
+mod friction;
 pub mod log_size;
 mod mocap;
 mod model;
@@ -28,6 +29,7 @@ mod start_height;
 mod tasks;
 pub mod terrain;
 
+use self::friction::extra;
 use self::start_height::Ground;
 use crate::contact::model::problem::Tolerances;
 use crate::contact::model::state::SoleState;
@@ -162,6 +164,7 @@ fn floor(run: &Run, errors: &mut Vec<Diagnostic>) -> Floor {
         point: Vector3::new(0.0, 0.0, spec.height),
         mu_s: spec.friction.static_,
         mu_k: spec.friction.kinetic,
+        extra: extra(spec.friction),
         patches: patches(spec),
         is_absent: !spec.plane,
     };
@@ -200,6 +203,7 @@ fn patches(floor: &FloorSpec) -> Vec<Patch> {
         corners: p.polygon.iter().map(|&c| c.into()).collect(),
         mu_s: p.friction.static_,
         mu_k: p.friction.kinetic,
+        extra: extra(p.friction),
     };
     floor.patches.iter().map(patch).collect()
 }

@@ -1,5 +1,6 @@
 //! Objects of a scenario: their models, initial states and shapes.
 
+use super::friction::extra;
 use super::object_models;
 use crate::dynamics::State;
 use crate::geometry::polyhedron::{self, Moments};
@@ -190,7 +191,7 @@ pub(super) fn initial_state(model: &Model, entry: &ObjectEntry) -> State {
 
 /// The friction that an entry gives.
 pub(super) fn own_friction(entry: &ObjectEntry) -> Option<Friction> {
-    entry.friction.map(|f| Friction { mu_s: f.static_, mu_k: f.kinetic })
+    entry.friction.map(|f| Friction { mu_s: f.static_, mu_k: f.kinetic, extra: extra(f) })
 }
 
 /// Principal moments of inertia of a homogeneous capsule along z about its centre, per mass, m^2:

@@ -1,16 +1,16 @@
 //! Checks that contact method, integrator, restitution and imposed states can be combined. The
 //! [`MethodDescriptor`] of each method gives its combinations:
 //!
-//! | | `dopri5`, `rosenbrock`, `auto` | `bs23` | `rk4` | `semi-implicit` | `restitution` | `forced` |
-//! |---|---|---|---|---|---|---|
-//! | `exact` | x | x | x | x | where events are located | x |
-//! | `one-step` | x | x | x | x | | x |
-//! | `penalty` | x | x | x | x | | |
-//! | `lcp`, `ncp` | | | | x | | |
+//! | | `dopri5`, `rosenbrock`, `auto` | `bs23` | `rk4` | `semi-implicit` | `restitution` | `forced` | `torsional`, `rolling` |
+//! |---|---|---|---|---|---|---|---|
+//! | `exact` | x | x | x | x | where events are located | x | x |
+//! | `one-step` | x | x | x | x | | x | x |
+//! | `penalty` | x | x | x | x | | | |
+//! | `lcp`, `ncp` | | | | x | | | |
 
 use crate::contact::methods::registry::{METHODS, MethodDescriptor};
 use crate::robot::{Base, DriveMode, Model};
-use crate::scenario::{Diagnostic, IntegratorMethod, Run};
+use crate::scenario::{Diagnostic, Friction, IntegratorMethod, Run, Scenario};
 
 /// Integrators of accelerations, which locate events.
 const LOCATING: &[IntegratorMethod] = &[
@@ -35,11 +35,44 @@ pub(super) fn check(run: &Run, errors: &mut Vec<Diagnostic>) {
         errors.push(run.error_at("contact.method", message, Some(help)));
     }
     check_restitution(run, errors);
+    check_moments(run, errors);
     if let Some(reason) = descriptor.unforced.filter(|_| !contact.forced.is_empty()) {
         let message = format!("`contact.forced` does not work with `contact.method` = \"{method}\", which {reason}");
         let help = format!("states can be imposed with {}", with_method(|method| method.unforced.is_none()));
         errors.push(run.error_at("contact.forced", message, Some(help)));
     }
+}
+
+/// Reports torsional and rolling friction that the method does not support.
+pub(super) fn check_moments(run: &Run, errors: &mut Vec<Diagnostic>) {
+    let contact = &run.scenario.contact;
+    let Some(reason) = contact.method.descriptor().momentless else { return };
+    for (path, friction) in frictions(&run.scenario) {
+        let terms = [("torsional", friction.torsional), ("rolling", friction.rolling)];
+        for (term, value) in terms.into_iter().filter(|(_, value)| value.is_some_and(|value| value > 0.0)) {
+            let message = format!(
+                "`{path}.{term}` = {} does not work with `contact.method` = \"{}\", which {reason}",
+                value.unwrap_or_default(),
+                contact.method.name()
+            );
+            let help = format!("it works with {}", with_method(|method| method.momentless.is_none()));
+            errors.push(run.error_at(&format!("{path}.{term}"), message, Some(help)));
+        }
+    }
+}
+
+/// All friction of a scenario, with its path.
+fn frictions(scenario: &Scenario) -> Vec<(String, Friction)> {
+    let mut all = vec![("floor.friction".to_owned(), scenario.floor.friction)];
+    let mut add = |list: &str, each: &mut dyn Iterator<Item = Option<Friction>>| {
+        let given = each.enumerate().filter_map(|(i, friction)| Some((format!("{list}.{i}.friction"), friction?)));
+        all.extend(given);
+    };
+    add("floor.patches", &mut scenario.floor.patches.iter().map(|patch| Some(patch.friction)));
+    add("terrain", &mut scenario.terrain.iter().map(|terrain| terrain.entry().friction));
+    add("object", &mut scenario.object.iter().map(|object| object.entry().friction));
+    add("contact.pair", &mut scenario.contact.pair.iter().map(|pair| pair.friction));
+    all
 }
 
 /// Reports a restitution, of the scenario or set by an event, that method and integrator do not

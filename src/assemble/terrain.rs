@@ -1,5 +1,6 @@
 //! The terrain of a run: entries of the scenario and the files that they name, as convex pieces.
 
+use super::friction::extra;
 use crate::geometry::Plane;
 use crate::mesh;
 use crate::scenario::{Diagnostic, HeightFieldTerrain, Input, MeshBody, MeshTerrain, Run, TerrainSpec};
@@ -69,6 +70,7 @@ fn entry(run: &Run, index: usize, spec: &TerrainSpec) -> Entry {
         position: common.position.into(),
         mu_s: friction.static_,
         mu_k: friction.kinetic,
+        extra: extra(friction),
         is_like_floor: common.friction.is_none(),
     }
 }

@@ -9,6 +9,7 @@ pub const EVENT_KINDS: &[&str] = &[
     "slip",
     "stick",
     "state",
+    "turning",
     "border",
     "forced",
     "impact",

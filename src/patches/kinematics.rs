@@ -133,7 +133,7 @@ fn motion(
 ) -> CornerMotion {
     let velocity = pa.velocity_at(&c) - pb.velocity_at(&c);
     let turn = pa.omega.cross(&(c_rate - pa.velocity)) - pb.omega.cross(&(c_rate - pb.velocity));
-    CornerMotion { position: c, gap, bias: turn + n * n_rate.dot(&velocity), velocity }
+    CornerMotion { position: c, gap, bias: turn + n * n_rate.dot(&velocity), velocity, normal_rate: *n_rate }
 }
 
 /// Position c, m, rate c', m/s, and gap, m, of a corner on the face of an owner with the normal `m`.

@@ -282,4 +282,6 @@ pub struct CornerMotion {
     pub bias: Vector3<f64>,
     /// Velocity of the material point of A minus that of B, world, m/s.
     pub velocity: Vector3<f64>,
+    /// Rate of the normal n at this corner, world, 1/s.
+    pub normal_rate: Vector3<f64>,
 }

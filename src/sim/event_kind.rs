@@ -15,6 +15,8 @@ pub enum EventKind {
     Stick,
     /// Any other change of a sole's contact state.
     State,
+    /// Torsional or rolling friction of a point contact begins or ceases to hold.
+    Turning,
     /// An impact.
     Impact,
     /// Sliding ended by an impulse (Painleve).
@@ -50,6 +52,7 @@ impl EventKind {
             EventKind::Slip => "slip",
             EventKind::Stick => "stick",
             EventKind::State => "state",
+            EventKind::Turning => "turning",
             EventKind::Impact => "impact",
             EventKind::Jam => "jam",
             EventKind::SlidingMode => "sliding-mode",

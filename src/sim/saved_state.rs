@@ -6,6 +6,7 @@ use super::plant::Plant;
 use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::States;
+use crate::contact::model::turning::TurningMode;
 use crate::dynamics::State;
 use nalgebra::{Vector2, Vector3};
 
@@ -19,6 +20,7 @@ pub struct SavedState {
     pairs: Vec<PairPatch>,
     states: States,
     directions: Vec<Vec<Vector2<f64>>>,
+    turning: Vec<TurningMode>,
     fast_slips: PerSole<u64>,
     anchors: Vec<Vec<Vector3<f64>>>,
     suspect: PerSole<u8>,
@@ -36,6 +38,7 @@ impl SavedState {
             pairs: Vec::new(),
             states: plant.states.clone(),
             directions: plant.directions.clone(),
+            turning: plant.turning.clone(),
             fast_slips: plant.fast_slips.clone(),
             anchors: anchors.to_vec(),
             suspect: PerSole::default(),
@@ -62,6 +65,7 @@ impl SavedState {
         self.state.copy_from(&plant.state);
         self.states.clone_from(&plant.states);
         self.directions.clone_from(&plant.directions);
+        self.turning.clone_from(&plant.turning);
         self.fast_slips.clone_from(&plant.fast_slips);
         anchors.clone_into(&mut self.anchors);
         self.suspect.clone_from(suspect);
@@ -79,11 +83,13 @@ impl SavedState {
         plant.apply_prescribed_motion();
         plant.states.clone_from(&self.states);
         copy(&mut plant.directions, &self.directions);
+        plant.turning.clone_from(&self.turning);
         plant.fast_slips.clone_from(&self.fast_slips);
         copy(anchors, &self.anchors);
         suspect.clone_from(&self.suspect);
         plant.solution.copy_from(&self.solution);
         plant.problem.set_directions(&self.directions);
+        plant.problem.set_turning_modes(&self.turning);
     }
 }
 

@@ -17,7 +17,7 @@ use crate::force::Force;
 use crate::integrate::{DOPRI5, Tableau};
 use crate::robot::Model;
 use crate::task::{Command, TaskServer};
-use crate::terrain::Terrain;
+use crate::terrain::{ExtraFriction, Terrain};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::sync::Arc;
 
@@ -183,6 +183,7 @@ impl Setup {
                 point: Vector3::zeros(),
                 mu_s: 0.8,
                 mu_k: 0.6,
+                extra: ExtraFriction::default(),
                 patches: Vec::new(),
                 is_absent: false,
             },

@@ -1,5 +1,6 @@
 //! One run from start to end.
 
+use super::bodies::Friction;
 use super::carried_object::CarriedObjects;
 use super::contact_states::link_contacts::LinkContacts;
 use super::contact_states::pair_contacts::PairContacts;
@@ -54,9 +55,8 @@ impl Simulation {
         for (sole, geometry) in problem.soles.iter_mut().zip(&model.soles) {
             sole.radius = geometry.radius();
             sole.body = geometry.link.0;
-            for v in &mut sole.vertices {
-                (v.mu_s, v.mu_k) = (setup.floor.mu_s, setup.floor.mu_k);
-            }
+            let floor = Friction { mu_s: setup.floor.mu_s, mu_k: setup.floor.mu_k, extra: setup.floor.extra };
+            (0..sole.vertices.len()).for_each(|i| floor.assign(sole, i));
         }
         let objects: f64 = setup.objects.iter().map(|object| object.model.mass()).sum();
         problem.scale = load_scale(model.mass() + objects, &setup.gravity);

@@ -4,6 +4,7 @@
 //!   prism for each triangle.
 //! - `height_grid`: a height field, whose prisms are computed when they are needed; `heights`: its
 //!   heights, read from a table (`csv_heights`) or a picture (`png_heights`).
+//! - `extra_friction`: terms of friction besides the coefficients.
 //! - `piece`: a convex solid in the world, its friction, and which of its faces can be touched.
 //! - `bounds_tree`: the broad phase.
 //!
@@ -14,6 +15,7 @@
 
 mod bounds_tree;
 mod csv_heights;
+mod extra_friction;
 mod height_grid;
 mod heights;
 pub mod mesh_shapes;
@@ -21,6 +23,7 @@ mod piece;
 mod png_heights;
 pub mod shapes;
 
+pub use extra_friction::ExtraFriction;
 pub use height_grid::{Cell, Half, HeightGrid};
 pub use heights::{Heights, HeightsError, MAX_POINTS};
 pub use piece::{Entry, Solid, TerrainFace, TerrainPiece};
@@ -126,6 +129,7 @@ mod tests {
             position: Vector3::zeros(),
             mu_s: 0.8,
             mu_k: 0.6,
+            extra: ExtraFriction::default(),
             is_like_floor: false,
         }
     }

@@ -1,5 +1,6 @@
 //! Convex solids in the axes of an entry, and pieces of terrain: the same in the world.
 
+use super::ExtraFriction;
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 
@@ -53,6 +54,8 @@ pub struct Entry {
     pub mu_s: f64,
     /// Kinetic friction.
     pub mu_k: f64,
+    /// Its other terms of friction.
+    pub extra: ExtraFriction,
     /// Whether its friction is that of the floor, and changes with it.
     pub is_like_floor: bool,
 }
@@ -72,6 +75,7 @@ impl Entry {
             faces: solid.faces.clone(),
             mu_s: self.mu_s,
             mu_k: self.mu_k,
+            extra: self.extra,
             is_like_floor: self.is_like_floor,
         }
     }
@@ -92,6 +96,8 @@ pub struct TerrainPiece {
     pub mu_s: f64,
     /// Kinetic friction.
     pub mu_k: f64,
+    /// Its other terms of friction.
+    pub extra: ExtraFriction,
     /// Whether its friction is that of the floor, and changes with it.
     pub is_like_floor: bool,
 }
@@ -101,7 +107,16 @@ impl TerrainPiece {
     pub fn prism_buffer() -> Self {
         let points = vec![Vector3::zeros(); 6];
         let faces = prism_faces([false; 3]);
-        TerrainPiece { name: "".into(), entry: 0, points, faces, mu_s: 0.0, mu_k: 0.0, is_like_floor: false }
+        TerrainPiece {
+            name: "".into(),
+            entry: 0,
+            points,
+            faces,
+            mu_s: 0.0,
+            mu_k: 0.0,
+            extra: ExtraFriction::default(),
+            is_like_floor: false,
+        }
     }
 
     /// Becomes a prism of the entry. Does not allocate in a [`TerrainPiece::prism_buffer`].
@@ -110,7 +125,7 @@ impl TerrainPiece {
             self.name = entry.name.clone();
         }
         (self.entry, self.mu_s, self.mu_k) = (entry.index, entry.mu_s, entry.mu_k);
-        self.is_like_floor = entry.is_like_floor;
+        (self.extra, self.is_like_floor) = (entry.extra, entry.is_like_floor);
         self.points.clear();
         self.points.extend(points.iter().map(|p| entry.to_world(p)));
         let is_prism = self.faces.len() == PRISM_FACES.len()

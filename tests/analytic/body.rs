@@ -61,6 +61,15 @@ impl Body {
         )
     }
 
+    /// As [`robot`](Self::robot) on one point below, at x and y from the centre.
+    pub fn on_point(&self, [x, y]: [f64; 2]) -> String {
+        format!(
+            "robot = {{ model = {:?}, soles = [{{ name = \"tip\", link = \"block\", polygon = [[{x}, {y}, {}]] }}] }}\n",
+            self.folder.path().join("body.urdf"),
+            -self.half[2]
+        )
+    }
+
     /// As [`robot`](Self::robot) without a sole.
     pub fn floating(&self, base: &str) -> String {
         format!("robot = {{ model = {:?}, base = {{ {base} }}, soles = [] }}\n", self.folder.path().join("body.urdf"))

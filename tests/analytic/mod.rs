@@ -47,3 +47,5 @@ mod sunk;
 pub mod support;
 mod terrain;
 mod tipping;
+mod turning;
+mod viscous_slip;

@@ -75,3 +75,23 @@ fn restitution_and_imposed_states_are_refused_where_they_have_no_effect() {
         }
     }
 }
+
+#[test]
+fn torsional_and_rolling_friction_are_refused_by_methods_of_forces_alone() {
+    for method in METHODS {
+        for term in ["torsional", "rolling"] {
+            let pair = format!(
+                "pair = [{{ bodies = [\"bottom\", \"floor\"], friction = {{ static = 0.5, kinetic = 0.5, {term} = 0.01 }} }}]"
+            );
+            match attempt(method, "semi-implicit", &pair) {
+                Ok(_) => assert!(matches!(method, "exact" | "one-step"), "{method} with {term} is not refused"),
+                Err(error) => {
+                    assert!(!matches!(method, "exact" | "one-step"), "{error}");
+                    let named = format!("`contact.pair.0.friction.{term}` = 0.01 does not work with");
+                    assert!(error.contains(&named) && error.contains("test.toml:5:"), "{error}");
+                    assert!(error.contains(&format!("\"{method}\"")) && error.contains("\"exact\""), "{error}");
+                }
+            }
+        }
+    }
+}

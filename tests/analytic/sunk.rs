@@ -80,6 +80,7 @@ fn robots_without_soles_and_fixed_ones_continue() {
         point: Vector3::z(),
         mu_s: 0.8,
         mu_k: 0.6,
+        extra: Default::default(),
         patches: Vec::new(),
         is_absent: false,
     };

@@ -11,3 +11,4 @@ mod residual;
 mod rest;
 mod rigid;
 mod stepping;
+mod turning;

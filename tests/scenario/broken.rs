@@ -48,6 +48,30 @@ const BELOW_ROBOT: &[Broken] = &[
     // Ranges.
     Broken("[floor]\nfriction = -0.1", (4, 12), "`floor.friction` must be 0 or greater, not -0.1", ""),
     Broken("[floor]\nfriction = { static = 0.5, kinetic = 0.6 }", (4, 38), "greater than `static` = 0.5", ""),
+    Broken(
+        "[floor]\nfriction = { static = 0.5, kinetic = 0.5, viscous = -0.1 }",
+        (4, 53),
+        "`floor.friction.viscous` must be 0 or greater, not -0.1",
+        "",
+    ),
+    Broken(
+        "[floor]\nfriction = { static = 0.5, kinetic = 0.5, torsional = nan }",
+        (4, 55),
+        "every number must be finite",
+        "",
+    ),
+    Broken(
+        "[floor]\nfriction = { static = 0.5, kinetic = 0.5, rolling = \"1 mm\" }",
+        (4, 53),
+        "`floor.friction.rolling` must be",
+        "",
+    ),
+    Broken(
+        "[floor]\nfriction = { static = 0.5, kinetic = 0.5, roling = 0.1 }",
+        (4, 43),
+        "unknown key `roling`",
+        "rolling",
+    ),
     Broken("[contact]\ndistance_tolerance = 0", (4, 22), "must be greater than 0", ""),
     Broken("[contact]\nrestitution = 1.5", (4, 15), "must be between 0 and 1", ""),
     Broken("[contact.penalty]\nstiffness = 0", (4, 13), "`contact.penalty.stiffness` must be greater than 0", ""),

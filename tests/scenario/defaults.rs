@@ -34,7 +34,7 @@ fn the_smallest_scenario_has_the_documented_defaults() {
         robot.posture.is_empty() && robot.velocity.is_empty() && robot.payload.is_empty() && robot.joint.is_empty()
     );
 
-    assert_eq!(s.floor.friction, Friction { static_: 0.8, kinetic: 0.6 });
+    assert_eq!(s.floor.friction, Friction::coulomb(0.8, 0.6));
     assert_eq!((s.floor.height, s.floor.rpy), (0.0, [0.0; 3]));
     assert!(s.floor.plane && s.terrain.is_empty());
     assert!(
@@ -120,7 +120,7 @@ fn the_full_example_is_read() {
 #[test]
 fn one_number_is_both_frictions_and_no_soles_is_not_all_soles() {
     let s = runs(&format!("{SMALLEST}soles = []\n[floor]\nfriction = 1\n")).remove(0).scenario;
-    assert_eq!(s.floor.friction, Friction { static_: 1.0, kinetic: 1.0 });
+    assert_eq!(s.floor.friction, Friction::coulomb(1.0, 1.0));
     assert_eq!(s.robot.soles, Some(vec![]));
 }
 

@@ -79,7 +79,7 @@ fn names_poses_and_kinds_follow_from_the_models() {
     assert_eq!(s.gravity, [0.0, 0.0, -3.0]);
     assert!(!s.floor.plane, "a world without a plane has no floor");
     assert!(run.warnings.0.is_empty(), "{}", run.warnings);
-    assert_eq!(s.object[1].entry().friction, Some(Friction { static_: 0.4, kinetic: 0.4 }));
+    assert_eq!(s.object[1].entry().friction, Some(Friction::coulomb(0.4, 0.4)));
 }
 
 #[test]
@@ -230,7 +230,7 @@ fn bodies_of_an_mjcf_file_become_terrain_and_objects() {
     );
     let ObjectSpec::Box(crate_) = &s.object[3] else { panic!("{:?}", s.object[3]) };
     assert_eq!((crate_.size, crate_.mass), ([0.2; 3], 2.0));
-    let friction = |x| Some(Friction { static_: x, kinetic: x });
+    let friction = |x| Some(Friction::coulomb(x, x));
     assert_eq!(s.object[3].entry().friction, friction(0.4));
     assert_eq!(s.terrain[0].entry().friction, friction(0.6), "that of the class");
     assert_eq!((s.gravity, Some(s.floor.friction)), ([0.0, 0.0, -9.8], friction(0.7)));

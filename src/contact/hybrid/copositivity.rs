@@ -55,6 +55,7 @@ pub(crate) fn least_sliding_load(
         }
     }
     let level = std::mem::replace(&mut p.level, Level::Velocity);
+    let turning: Vec<_> = p.soles.iter().map(|s| s.turning.bias).collect();
     let (b, biases) = (p.b.clone(), scale_biases(p, 0.0));
     let (n, dim) = (moving.len(), p.dim());
     let (mut k, mut smooth) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
@@ -71,6 +72,7 @@ pub(crate) fn least_sliding_load(
         }
     }
     (p.level, p.b) = (level, b);
+    p.soles.iter_mut().zip(&turning).for_each(|(s, bias)| s.turning.bias = *bias);
     p.soles.iter_mut().flat_map(|s| &mut s.vertices).zip(&biases).for_each(|(v, b)| v.bias = *b);
     let (value, load) = least(&k)?;
     let mut wrench = vec![0.0; dim];
@@ -86,7 +88,7 @@ pub(crate) fn least_sliding_load(
 
 /// Wrench of one newton along the normal, with the fraction `friction` of the sliding friction.
 fn sliding_wrench(v: &Vertex, friction: f64) -> [f64; 6] {
-    let t = v.velocity.xy().normalize() * (-v.mu_k * friction);
+    let t = v.velocity.xy().normalize() * (-v.slip_mu() * friction);
     wrench_at(&v.r, &Vector3::new(t.x, t.y, 1.0))
 }
 
@@ -97,6 +99,7 @@ pub(crate) fn scale_biases(p: &mut Problem, factor: f64) -> Vec<Vector3<f64>> {
         v.bias *= factor;
         bias
     };
+    p.soles.iter_mut().for_each(|s| s.turning.bias *= factor);
     p.soles.iter_mut().flat_map(|s| &mut s.vertices).map(scale).collect()
 }
 

@@ -9,6 +9,8 @@
 //! | normal margin of a clamped pattern | lift-off, or the centre of pressure leaves it |
 //! | friction margin of a static pattern or a pivot | slip onset |
 //! | sliding velocity along the reference direction | stick, or reversal |
+//! | margin of a held torsional or rolling moment | spin or roll begins |
+//! | spin or roll along its reference direction | it ends, or reverses |
 //! | height of a vertex over a compliant floor, or its depth | entering or leaving it |
 //! | gap of the nearest point of bodies that is no vertex | touch-down of another point |
 //! | acceleration allowed in clamped directions less the greatest one | conditions that contradict each other |
@@ -19,8 +21,9 @@ use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::{Problem, TOUCHING, Tolerances};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, SoleState, States};
+use crate::contact::model::turning::{self, TurningMode};
 use crate::contact::search::judge::{
-    CLEAR, CONTRADICTED, SUSPECT_FRICTION, SUSPECT_NORMAL, greatest_contradiction, margin,
+    CLEAR, CONTRADICTED, SUSPECT_FRICTION, SUSPECT_NORMAL, SUSPECT_TURNING, greatest_contradiction, margin,
 };
 use nalgebra::Vector2;
 
@@ -35,6 +38,8 @@ pub(crate) struct ContactInForce<'a> {
     pub solution: &'a Solution,
     /// Reference directions of the sliding vertices of each sole, unit vectors in the floor.
     pub directions: &'a [Vec<Vector2<f64>>],
+    /// Reference modes of torsional and rolling friction, by sole.
+    pub turning: &'a [TurningMode],
     /// Tolerances.
     pub tolerances: &'a Tolerances,
     /// Whether forces follow heights and velocities by a compliant law.
@@ -85,6 +90,12 @@ enum Function {
     /// With the allowed speed of backward sliding, m/s.
     Slide(usize, usize, f64),
     Border(usize, usize, Vector2<f64>),
+    /// Margins of held torsional and rolling moments.
+    Turning(usize),
+    /// Spin along its direction, with the allowed backward one, rad/s.
+    Spin(usize, f64),
+    /// The same of the roll.
+    Roll(usize, f64),
     Touch(usize),
     Contradiction,
 }
@@ -145,6 +156,15 @@ impl EventFunctions {
                     self.functions.push(Function::Friction(s));
                 }
             }
+            if let Some(turning) = sole.turning().filter(|_| state != SoleState::FREE) {
+                if turning.holds_spin() || turning.holds_roll() {
+                    self.functions.push(Function::Turning(s));
+                }
+                let spins = turning.torsional > 0.0 && !turning.holds_spin();
+                let rolls = turning.rolling > 0.0 && !turning.holds_roll();
+                self.functions.extend(spins.then_some(Function::Spin(s, 0.0)));
+                self.functions.extend(rolls.then_some(Function::Roll(s, 0.0)));
+            }
         }
         if now.may_contradict {
             self.functions.push(Function::Contradiction);
@@ -163,7 +183,9 @@ impl EventFunctions {
     pub fn overlook(&mut self, start: &mut [f64], rest: f64) -> bool {
         for (i, (item, g)) in self.functions.iter_mut().zip(start).enumerate().filter(|(_, (_, g))| **g < 0.0) {
             match item {
-                Function::Slide(_, _, allowed) if *g > -rest => {
+                Function::Slide(_, _, allowed) | Function::Spin(_, allowed) | Function::Roll(_, allowed)
+                    if *g > -rest =>
+                {
                     *allowed = rest;
                     *g += rest;
                 }
@@ -201,6 +223,15 @@ impl EventFunctions {
                 Function::Slide(s, i, allowed) => {
                     p.soles[s].vertices[i].velocity.xy().dot(&now.directions[s][i]) + allowed
                 }
+                Function::Turning(s) => {
+                    let moment = turning::moment(p, s, now.solution);
+                    let [spin, roll] = p.soles[s].turning.margins(now.solution.normal[s][0], &moment);
+                    spin.min(roll) / p.scale
+                }
+                Function::Spin(s, allowed) => p.soles[s].turning.velocity.z * now.turning[s].direction.z + allowed,
+                Function::Roll(s, allowed) => {
+                    p.soles[s].turning.velocity.xy().dot(&now.turning[s].direction.xy()) + allowed
+                }
                 Function::Touch(i) => now.touching.gap(i),
                 Function::Contradiction => CONTRADICTED - greatest_contradiction(p, now.states, now.solution),
                 Function::Border(s, i, _) => now.regions.map_or(f64::INFINITY, |regions| regions.border(s, i)),
@@ -228,10 +259,12 @@ impl EventFunctions {
         // Several soles may reach their limit together; rounding decides which of them fires.
         let normal = if fired(|i| matches!(i, Function::Normal(_))) { CLEAR } else { 0.0 };
         let friction = if fired(|i| matches!(i, Function::Friction(_))) { CLEAR } else { 0.0 };
+        let turning = if fired(|i| matches!(i, Function::Turning(_))) { CLEAR } else { 0.0 };
         for (item, g) in self.functions.iter().zip(values) {
             match *item {
                 Function::Normal(s) if *g < normal => suspect[s] |= SUSPECT_NORMAL,
                 Function::Friction(s) if *g < friction => suspect[s] |= SUSPECT_FRICTION,
+                Function::Turning(s) if *g < turning => suspect[s] |= SUSPECT_TURNING,
                 _ => {}
             }
         }

@@ -40,6 +40,7 @@ pub(crate) fn set_impact(p: &mut Problem, velocity: &[f64], tol: &Tolerances, re
     p.b.copy_from_slice(velocity);
     let mut fastest: f64 = 0.0;
     for (s, sole) in p.soles.iter_mut().enumerate() {
+        (sole.turning.bias, sole.turning.spins, sole.turning.rolls) = (Vector3::zeros(), false, false);
         let mut approach: f64 = 0.0;
         for v in &mut sole.vertices {
             v.bias = Vector3::zeros();
@@ -74,6 +75,7 @@ pub(crate) fn set_rest(
         let approach = sole.vertices.iter().map(|v| -v.velocity.z).fold(0.0, f64::max);
         set_target(sole, &velocity[6 * s..6 * s + 6], approach, tol, restitution);
         sole.vertices.iter_mut().for_each(|v| v.bias = Vector3::zeros());
+        sole.turning.bias = Vector3::zeros();
     }
     let mut held = states.clone();
     for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| states[*s].is_dynamic()) {

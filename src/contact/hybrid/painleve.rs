@@ -118,6 +118,7 @@ pub(crate) fn jam(
     scale_biases(p, d);
     for sole in &mut p.soles {
         sole.target = Vector3::zeros();
+        (sole.turning.spins, sole.turning.rolls) = (false, false);
         for v in &mut sole.vertices {
             (v.moving, v.direction, v.near) = (false, Vector2::zeros(), v.is_near(&tol));
         }

@@ -16,8 +16,10 @@ const MAX_VERTICES: usize = 64;
 pub(crate) fn set_velocity_errors(p: &mut Problem, velocity: &[f64]) {
     p.level = Level::Velocity;
     p.b.copy_from_slice(velocity);
+    p.clear_turning_directions();
     for sole in &mut p.soles {
         sole.target = Vector3::zeros();
+        sole.turning.bias = Vector3::zeros();
         for v in &mut sole.vertices {
             v.bias = Vector3::zeros();
             v.direction = Vector2::zeros();

@@ -18,6 +18,7 @@ pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     only_semi_implicit: None,
     restitution: true,
     unforced: None,
+    momentless: None,
     colour: "#0B62A4",
     is_configured: |parameters| parameters.exact != ExactParameters::default(),
     unknowns: None,
@@ -135,7 +136,8 @@ impl ContactSolver for Exact {
     }
 
     fn point_impulse(&mut self, p: &Problem, out: &mut Solution) -> Option<States> {
-        self.selector.solve_points(p, out)
+        // A point carries no moment.
+        if p.has_turning() { None } else { self.selector.solve_points(p, out) }
     }
 
     fn respond(&mut self, p: &Problem, states: &States, out: &mut Solution) {

@@ -193,6 +193,7 @@ fn six(row: &[f64], s: usize) -> [f64; 6] {
 fn copy_sole(from: &SoleProblem, to: &mut SoleProblem) {
     to.vertices.copy_from_slice(&from.vertices);
     (to.radius, to.body, to.position, to.target) = (from.radius, from.body, from.position, from.target);
+    to.turning = from.turning;
 }
 
 /// Adds the selection of an island with these soles to that of the whole.

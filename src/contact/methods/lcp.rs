@@ -38,9 +38,10 @@ use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Pattern, States};
-use crate::contact::search::candidate::{CandidateSolver, share_static};
+use crate::contact::search::candidate::CandidateSolver;
 use crate::contact::search::judge::Assessment;
 use crate::contact::search::select::Selection;
+use crate::contact::search::static_loads::share_static;
 use crate::linalg::lemke::{Lemke, LemkeOutcome};
 use crate::math;
 use nalgebra::{Vector2, Vector3};
@@ -65,6 +66,7 @@ pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     only_semi_implicit: Some("knows only impulses over a fixed step"),
     restitution: false,
     unforced: Some("chooses no states"),
+    momentless: Some("gives vertices forces alone"),
     colour: "#9C3587",
     is_configured: |parameters| parameters.lcp != LcpParameters::default(),
     unknowns: Some(|parameters, vertices| parameters.lcp.unknowns(vertices)),

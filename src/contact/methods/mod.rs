@@ -23,3 +23,4 @@ pub mod one_step;
 pub mod penalty;
 pub mod points;
 pub mod registry;
+mod turning_decision;

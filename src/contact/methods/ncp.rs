@@ -56,6 +56,7 @@ pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     only_semi_implicit: Some("knows only impulses over a fixed step"),
     restitution: false,
     unforced: Some("chooses no states"),
+    momentless: Some("gives vertices forces alone"),
     colour: "#8A6A00",
     is_configured: |parameters| parameters.ncp != NcpParameters::default(),
     unknowns: None,

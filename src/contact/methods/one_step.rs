@@ -4,12 +4,14 @@
 use crate::contact::methods::contact_method::{ContactSolver, Scheme, SelectionInput};
 use crate::contact::methods::decision;
 use crate::contact::methods::registry::MethodDescriptor;
+use crate::contact::methods::turning_decision;
 use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{SoleState, States};
-use crate::contact::search::candidate::{CandidateSolver, share_static};
+use crate::contact::search::candidate::CandidateSolver;
 use crate::contact::search::judge::judge;
 use crate::contact::search::select::Selection;
+use crate::contact::search::static_loads::share_static;
 
 /// Descriptor for scenarios and reports.
 pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
@@ -18,6 +20,7 @@ pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     only_semi_implicit: None,
     restitution: false,
     unforced: None,
+    momentless: None,
     colour: "#D55E00",
     is_configured: |_| false,
     unknowns: None,
@@ -49,6 +52,7 @@ impl OneStep {
                 // The decided sliding directions belong to another state.
                 decision::set_directions(&mut p.soles[s], rules.tolerances.rest);
             }
+            turning_decision::decide(p, s, [before, states[s]], last, &rules.tolerances);
         }
         states
     }

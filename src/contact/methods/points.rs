@@ -72,7 +72,7 @@ impl Points {
             for (i, v) in sole.vertices.iter().enumerate() {
                 if v.meets_floor(p.level) {
                     let target = sole.vertex_target(i).min(push_out);
-                    self.list.push(Point { sole: s, vertex: i, r: v.r, bias: v.bias, target, mu: v.mu_k });
+                    self.list.push(Point { sole: s, vertex: i, r: v.r, bias: v.bias, target, mu: v.slip_mu() });
                 }
             }
         }

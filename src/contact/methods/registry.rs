@@ -29,6 +29,8 @@ pub struct MethodDescriptor {
     pub restitution: bool,
     /// Why states cannot be imposed on soles; none if they can.
     pub unforced: Option<&'static str>,
+    /// Why point contacts have no torsional and rolling friction; none if they can.
+    pub momentless: Option<&'static str>,
     /// SVG colour of its curves in reports.
     pub colour: &'static str,
     /// Do its parameters differ from their defaults?

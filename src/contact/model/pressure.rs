@@ -123,6 +123,7 @@ fn solve_definite(a: [f64; 6], q: &Vector3<f64>) -> Option<Vector3<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::model::turning::Turning;
 
     fn square() -> SoleProblem {
         let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
@@ -135,6 +136,7 @@ mod tests {
             body: 0,
             position: Vector3::zeros(),
             target: Vector3::zeros(),
+            turning: Turning::default(),
         }
     }
 

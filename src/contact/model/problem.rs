@@ -14,6 +14,7 @@
 //! `omega x (omega x r_i)` at the acceleration level and zero at the velocity level.
 
 use crate::contact::model::state::{Pattern, SoleState};
+use crate::contact::model::turning::Turning;
 use nalgebra::{Vector2, Vector3};
 
 /// Level of a [`Problem`]: the meaning of its motions and wrenches.
@@ -79,8 +80,10 @@ pub struct Vertex {
     pub velocity: Vector3<f64>,
     /// Static friction coefficient of the floor under it.
     pub mu_s: f64,
-    /// Kinetic friction coefficient of the floor under it.
+    /// Kinetic friction coefficient of the floor under it, at vanishing speed.
     pub mu_k: f64,
+    /// Increase of the kinetic coefficient with the slip speed, s/m.
+    pub viscous: f64,
     /// Unit direction in which it slides or begins to slide; zero when it has none.
     pub direction: Vector2<f64>,
     /// True if the velocity gives `direction`. False if a sliding state must find it from the
@@ -97,6 +100,20 @@ pub struct Vertex {
 }
 
 impl Vertex {
+    /// Coefficient of its sliding friction at its present speed: `mu_k + viscous |t|`.
+    pub fn slip_mu(&self) -> f64 {
+        if self.viscous == 0.0 { self.mu_k } else { self.mu_k + self.viscous * self.velocity.xy().norm() }
+    }
+
+    /// Coefficient of its static friction. A velocity-level problem sees the speed before its impulse, at which
+    /// the sliding friction that stops a vertex may be greater than the static friction that holds it.
+    pub fn stick_mu(&self, level: Level) -> f64 {
+        match level {
+            Level::Velocity if self.viscous != 0.0 => self.mu_s.max(self.slip_mu()),
+            _ => self.mu_s,
+        }
+    }
+
     /// Whether it is at most d above the floor.
     pub fn is_near(&self, tol: &Tolerances) -> bool {
         self.height <= tol.distance
@@ -132,6 +149,8 @@ pub struct SoleProblem {
     /// Target motion along clamped normals: of the reference point, and about x and y (restitution,
     /// gap closing).
     pub target: Vector3<f64>,
+    /// Its torsional and rolling friction, of a sole with one vertex.
+    pub turning: Turning,
 }
 
 impl SoleProblem {
@@ -188,6 +207,7 @@ impl Problem {
                     body: s,
                     position: Vector3::zeros(),
                     target: Vector3::zeros(),
+                    turning: Turning::default(),
                 })
                 .collect(),
             scale: 1.0,

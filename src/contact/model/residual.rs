@@ -9,6 +9,7 @@
 //! | cone excess | `max(0, |t| - mu N)` of every vertex; of a static edge or face its resultant against what its N can carry |
 //! | dissipation gap | `|mu_k N |v| + t . v|` of every sliding vertex: friction dissipates maximally |
 //! | creep speed | `|v|` of every static vertex, and of a pivot |
+//! | the last three of torsional and rolling friction | `max(0, |tau| / mu - N)`, `|mu N |omega| + tau . omega|`, `mu |omega|` |
 //! | resultant gap | sum of the vertex forces minus the sole's wrench |
 //!
 //! with N and t the normal and tangential force, v the sliding velocity, gap the height of a
@@ -17,10 +18,11 @@
 //! solver's assessment is not used.
 
 use crate::contact::model::friction_capacity;
-use crate::contact::model::problem::{Problem, SoleProblem, Vertex};
+use crate::contact::model::problem::{Level, Problem, SoleProblem, Vertex};
 use crate::contact::model::sole_group;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
+use crate::contact::model::turning;
 use nalgebra::{Vector2, Vector3};
 
 /// Violation of the contact laws at one instant, greatest over all vertices and soles.
@@ -87,6 +89,9 @@ pub fn evaluate_motion(loads: Loads, p: &Problem, states: &States, solution: &So
         for (i, v) in sole.vertices.iter().enumerate() {
             r.motion(v, solution.normal[s][i], &solution.tangent[s][i], role(states[s], i, sole.vertices.len()));
         }
+        if let Some([_, gap, speed]) = turning::residual(p, s, solution).filter(|_| states[s] != SoleState::FREE) {
+            (r.dissipation_gap, r.creep_speed) = (r.dissipation_gap.max(gap), r.creep_speed.max(speed));
+        }
     }
     r
 }
@@ -98,15 +103,19 @@ pub fn loads(p: &Problem, states: &States, solution: &Solution) -> Loads {
         let (normal, tangent) = (&solution.normal[s], &solution.tangent[s]);
         let wrench = &solution.wrench[6 * s..6 * s + 6];
         for (i, v) in sole.vertices.iter().enumerate() {
-            r.vertex(v, normal[i], &tangent[i], role(states[s], i, sole.vertices.len()));
+            r.vertex(p.level, v, (normal[i], &tangent[i]), role(states[s], i, sole.vertices.len()));
         }
         if sole_group::is_shared(p, states, s) {
             // The static soles of one body can only slip together.
             r.cone_excess = r.cone_excess.max(-sole_group::group_margin(p, states, s, solution).margin);
         } else if states[s].is_static() {
-            r.cone_excess = r.cone_excess.max(-static_margin(sole, states[s].pattern, normal, tangent, wrench));
+            r.cone_excess = r.cone_excess.max(-static_margin(p, s, states[s].pattern, (normal, tangent), wrench));
         }
-        r.resultant_gap = r.resultant_gap.max(resultant_gap(sole, normal, tangent, wrench));
+        let carried = turning_moment(p, states, s, solution);
+        r.resultant_gap = r.resultant_gap.max(resultant_gap(sole, (normal, tangent), wrench, &carried));
+        if let Some([excess, ..]) = turning::residual(p, s, solution) {
+            r.cone_excess = r.cone_excess.max(excess);
+        }
     }
     r
 }
@@ -134,13 +143,13 @@ fn role(state: SoleState, i: usize, k: usize) -> Role {
 }
 
 impl Loads {
-    fn vertex(&mut self, v: &Vertex, n: f64, t: &Vector2<f64>, role: Role) {
+    fn vertex(&mut self, level: Level, v: &Vertex, (n, t): (f64, &Vector2<f64>), role: Role) {
         self.tension = self.tension.max(-n);
         let mu = match role {
             // Its edge or face is tested.
             Role::Sticks => return,
-            Role::Unclamped | Role::Pivots => v.mu_s,
-            Role::Slides => v.mu_k,
+            Role::Unclamped | Role::Pivots => v.stick_mu(level),
+            Role::Slides => v.slip_mu(),
         };
         self.cone_excess = self.cone_excess.max(t.norm() - mu * n.max(0.0));
     }
@@ -156,7 +165,7 @@ impl Residual {
             Role::Unclamped => {}
             Role::Sticks | Role::Pivots => self.creep_speed = self.creep_speed.max(slip.norm()),
             Role::Slides => {
-                self.dissipation_gap = self.dissipation_gap.max((v.mu_k * n * slip.norm() + t.dot(&slip)).abs());
+                self.dissipation_gap = self.dissipation_gap.max((v.slip_mu() * n * slip.norm() + t.dot(&slip)).abs());
             }
         }
     }
@@ -165,16 +174,17 @@ impl Residual {
 /// Distance of the load of a static pattern from its friction limit, N, negative beyond it; zero if
 /// an edge carries it or the vertex forces of a face show that the load is within it.
 fn static_margin(
-    sole: &SoleProblem,
+    p: &Problem,
+    s: usize,
     pattern: Pattern,
-    normal: &[f64],
-    tangent: &[Vector2<f64>],
+    (normal, tangent): (&[f64], &[Vector2<f64>]),
     wrench: &[f64],
 ) -> f64 {
     /// Most vertices of most soles: less scratch to clear.
     const FEW: usize = 8;
+    let (sole, level) = (&p.soles[s], p.level);
     let k = sole.vertices.len();
-    let capacity = |i: usize| sole.vertices[i].mu_s * normal[i].max(0.0);
+    let capacity = |i: usize| sole.vertices[i].stick_mu(level) * normal[i].max(0.0);
     match pattern {
         Pattern::Free => 0.0,
         Pattern::Vertex(i) => friction_capacity::vertex(capacity(i as usize), &tangent[i as usize]),
@@ -185,16 +195,21 @@ fn static_margin(
             let side = [tangent[i].dot(&across), tangent[j].dot(&across)];
             -friction_capacity::edge_excess([capacity(i), capacity(j)], side, (tangent[i] + tangent[j]).dot(&along))
         }
-        Pattern::Face if k <= FEW => face_margin::<FEW>(sole, normal, tangent, wrench),
-        Pattern::Face => face_margin::<64>(sole, normal, tangent, wrench),
+        Pattern::Face if k <= FEW => face_margin::<FEW>(sole, level, (normal, tangent), wrench),
+        Pattern::Face => face_margin::<64>(sole, level, (normal, tangent), wrench),
     }
 }
 
 /// [`static_margin`] of a face of at most `MOST` vertices.
-fn face_margin<const MOST: usize>(sole: &SoleProblem, normal: &[f64], tangent: &[Vector2<f64>], wrench: &[f64]) -> f64 {
+fn face_margin<const MOST: usize>(
+    sole: &SoleProblem,
+    level: Level,
+    (normal, tangent): (&[f64], &[Vector2<f64>]),
+    wrench: &[f64],
+) -> f64 {
     let mut points = [(0.0, Vector2::zeros()); MOST];
     for (point, (v, n)) in points.iter_mut().zip(sole.vertices.iter().zip(normal)) {
-        *point = (v.mu_s * n.max(0.0), v.r.xy());
+        *point = (v.stick_mu(level) * n.max(0.0), v.r.xy());
     }
     // The wrench itself is tested: without normal load its split over the vertices need not exist. A
     // fixed step that turns the sole changes the moment of its logged vertex forces slightly.
@@ -207,9 +222,22 @@ fn face_margin<const MOST: usize>(sole: &SoleProblem, normal: &[f64], tangent: &
     friction_capacity::face(points, &force, wrench[5], sole.radius).0
 }
 
-fn resultant_gap(sole: &SoleProblem, normal: &[f64], tangent: &[Vector2<f64>], wrench: &[f64]) -> f64 {
+/// Moment of a point contact besides that of its force: of the components that have a limit.
+fn turning_moment(p: &Problem, states: &States, s: usize, solution: &Solution) -> Vector3<f64> {
+    let Some(turning) = p.soles[s].turning().filter(|_| states[s] != SoleState::FREE) else { return Vector3::zeros() };
+    let has = |limit: f64| f64::from(u8::from(limit > 0.0));
+    let (roll, spin) = (has(turning.rolling), has(turning.torsional));
+    turning::moment(p, s, solution).component_mul(&Vector3::new(roll, roll, spin))
+}
+
+fn resultant_gap(
+    sole: &SoleProblem,
+    (normal, tangent): (&[f64], &[Vector2<f64>]),
+    wrench: &[f64],
+    carried: &Vector3<f64>,
+) -> f64 {
     let mut force = -Vector3::new(wrench[0], wrench[1], wrench[2]);
-    let mut moment = -Vector3::new(wrench[3], wrench[4], wrench[5]);
+    let mut moment = carried - Vector3::new(wrench[3], wrench[4], wrench[5]);
     for ((v, n), t) in sole.vertices.iter().zip(normal).zip(tangent) {
         let f = Vector3::new(t.x, t.y, *n);
         force += f;

@@ -12,6 +12,7 @@ use crate::contact::model::friction_capacity;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::States;
+use crate::contact::model::turning::moment;
 use nalgebra::Vector2;
 use smallvec::SmallVec;
 
@@ -61,9 +62,12 @@ pub fn group_margin(p: &Problem, states: &States, s: usize, solution: &Solution)
         let f = Vector2::new(w[0], w[1]);
         force += f;
         yaw += w[5] + sole.position.xy().perp(&f);
+        if sole.turning().is_some() {
+            yaw -= moment(p, t, solution).z;
+        }
         for (i, v) in sole.vertices.iter().enumerate().filter(|(i, _)| states[t].clamps(*i, k)) {
             let position = sole.position.xy() + v.r.xy();
-            points.push((v.mu_s * solution.normal[t][i].max(0.0), position));
+            points.push((v.stick_mu(p.level) * solution.normal[t][i].max(0.0), position));
             middle += position;
         }
     }

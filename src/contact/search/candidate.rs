@@ -28,7 +28,9 @@ use crate::contact::model::pressure;
 use crate::contact::model::problem::{Level, Problem, SoleProblem};
 use crate::contact::model::solution::{Solution, wrench_at};
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
+use crate::contact::model::turning::Turning;
 use crate::contact::search::load_split::LoadSplit;
+use crate::contact::search::static_loads::across;
 use crate::linalg::linear::Linear;
 use nalgebra::{Vector2, Vector3};
 
@@ -37,6 +39,9 @@ const LOOSE: f64 = 1e-8;
 
 /// Scale of the unknowns of sliding soles, for which no split is known, in N, where least departure from one is sought.
 const FREELY: f64 = 100.0;
+
+/// Least unit of held moments over that of forces, m: shorter ones would make their conditions appear redundant.
+const SHORTEST_LEVER: f64 = 1e-3;
 
 /// Six numbers: a wrench or a row over a sole's motion.
 type Six = [f64; 6];
@@ -115,15 +120,8 @@ fn dot(a: &[f64], b: &Six) -> f64 {
 fn sliding_wrench(sole: &SoleProblem, i: usize, mode: Mode) -> Six {
     let v = &sole.vertices[i];
     let slides = mode != Mode::Pivoting(i as u8);
-    let t = if slides { -v.direction * v.mu_k } else { Vector2::zeros() };
+    let t = if slides { -v.direction * v.slip_mu() } else { Vector2::zeros() };
     wrench_at(&v.r, &Vector3::new(t.x, t.y, 1.0))
-}
-
-/// Horizontal unit vector across an edge.
-fn across(sole: &SoleProblem, i: usize, j: usize) -> Vector3<f64> {
-    let d = sole.vertices[j].r - sole.vertices[i].r;
-    let n = Vector2::new(-d.y, d.x).normalize();
-    Vector3::new(n.x, n.y, 0.0)
 }
 
 impl CandidateSolver {
@@ -146,7 +144,7 @@ impl CandidateSolver {
     }
 
     /// Solves a candidate for wrenches and motions, with the sliding directions in the problem.
-    /// Normal forces of sliding soles are filled in; [`share_static`] fills in those of static
+    /// Normal forces of sliding soles are filled in; [`share_static`](super::static_loads::share_static) fills in those of static
     /// soles.
     pub fn solve(&mut self, p: &Problem, states: &States, out: &mut Solution) {
         self.loaded.fill(u64::MAX);
@@ -219,7 +217,9 @@ impl CandidateSolver {
                 *x -= row.dot(&self.split.loads().1[6 * s..]);
             }
         }
-        let symmetric = (0..p.soles.len()).all(|s| !states[s].is_dynamic());
+        let turns = |s: usize| p.soles[s].turning().is_some_and(|turning| turning.slip_moment() != Vector3::zeros());
+        let is_skew = |s: usize| states[s].is_dynamic() || states[s].is_static() && turns(s);
+        let symmetric = !(0..p.soles.len()).any(is_skew);
         let (a, x) = (&mut self.a[..n * n], &mut self.x[..n]);
         for (c, wb) in self.wb.chunks_exact(dim).take(n).enumerate() {
             let first = if symmetric { c } else { 0 };
@@ -297,6 +297,7 @@ impl CandidateSolver {
     pub(super) fn terms(&mut self, p: &Problem, s: usize, state: SoleState) -> Terms<'_> {
         self.columns.clear();
         self.rows.clear();
+        self.first[s] = 0;
         self.build(s, &p.soles[s], state);
         (&self.columns, &self.rows)
     }
@@ -350,6 +351,30 @@ impl CandidateSolver {
         }
         if let (Mode::Pivoting(j), true) = (state.mode, state.is_dynamic()) {
             [ex, ey].iter().for_each(|d| self.tie(s, sole, j as usize, d));
+        }
+        if let Some(turning) = sole.turning().filter(|_| state.pattern != Pattern::Free) {
+            self.turn(s, turning, if state.is_static() { 2 } else { 0 });
+        }
+    }
+
+    /// Adds the moments of a point contact: those that turning components have are in proportion to the normal
+    /// force, the unknown `normal` of the sole, and held ones are unknowns.
+    fn turn(&mut self, s: usize, turning: &Turning, normal: usize) {
+        let moment = turning.slip_moment();
+        if moment != Vector3::zeros() {
+            let column = &mut self.columns[self.first[s] + normal].1;
+            let mut six = [0.0; 6];
+            column.add_to(1.0, &mut six);
+            six[3..].iter_mut().zip(moment.iter()).for_each(|(x, m)| *x += m);
+            *column = Direction::General(six);
+        }
+        let held = [turning.holds_roll(), turning.holds_roll(), turning.holds_spin()];
+        // Where forces on other points of the body hold it too, moments of least norm in this unit are small.
+        let unit = [turning.rolling, turning.rolling, turning.torsional].map(|limit| limit.clamp(SHORTEST_LEVER, 1.0));
+        for axis in (0..3).filter(|axis| held[*axis]) {
+            let e = Direction::Axis(3 + axis, unit[axis]);
+            self.columns.push((s, e));
+            self.rows.push((s, e, -unit[axis] * turning.bias[axis]));
         }
     }
 
@@ -409,7 +434,8 @@ impl CandidateSolver {
             for i in 0..k {
                 let v = &sole.vertices[i];
                 let pivot = states[s].mode == Mode::Pivoting(i as u8);
-                out.tangent[s][i] = if pivot { Vector2::zeros() } else { -v.direction * (v.mu_k * out.normal[s][i]) };
+                out.tangent[s][i] =
+                    if pivot { Vector2::zeros() } else { -v.direction * (v.slip_mu() * out.normal[s][i]) };
             }
             if let Mode::Pivoting(j) = states[s].mode {
                 let at = self.first[s] + states[s].normal_rows();
@@ -417,73 +443,5 @@ impl CandidateSolver {
             }
         }
         changed
-    }
-}
-
-/// Splits the wrenches of static soles over their vertices; clears the entries of free soles.
-pub fn share_static(p: &Problem, states: &States, out: &mut Solution) {
-    for (s, sole) in p.soles.iter().enumerate().filter(|(s, _)| !states[*s].is_dynamic()) {
-        let k = sole.vertices.len();
-        out.normal[s].fill(0.0);
-        out.tangent[s].fill(Vector2::zeros());
-        let w: &[f64] = &out.wrench[6 * s..6 * s + 6];
-        let t = Vector2::new(w[0], w[1]);
-        match states[s].pattern {
-            Pattern::Free => {}
-            Pattern::Vertex(i) => {
-                out.normal[s][i as usize] = w[2];
-                out.tangent[s][i as usize] = t;
-            }
-            Pattern::Edge(i) => {
-                let (i, j) = (i as usize, (i as usize + 1) % k);
-                let (normal, side, along, along_unit) = edge_load(sole, i, j, w);
-                let across = across(sole, i, j).xy();
-                let sum = normal[0] + normal[1];
-                for (v, c) in [(i, 0), (j, 1)] {
-                    let part = if sum != 0.0 { normal[c] / sum } else { 0.5 };
-                    out.normal[s][v] = normal[c];
-                    out.tangent[s][v] = across * side[c] + along_unit * (along * part);
-                }
-            }
-            Pattern::Face => {
-                let inside = pressure::share(sole, w[2], [w[3], w[4]], &mut out.normal[s]);
-                out.inside.set(s, inside);
-                share_tangent(sole, t, w[5], &out.normal[s], &mut out.tangent[s]);
-            }
-        }
-    }
-}
-
-/// Load of a static edge: normal forces of its two ends, tangential forces across it at the two
-/// ends, the sum along it and the horizontal unit vector along it.
-pub fn edge_load(sole: &SoleProblem, i: usize, j: usize, w: &[f64]) -> ([f64; 2], [f64; 2], f64, Vector2<f64>) {
-    let (ri, rj) = (&sole.vertices[i].r, &sole.vertices[j].r);
-    let d = (rj - ri).xy();
-    let length = d.norm();
-    let along = d / length;
-    let across = Vector2::new(-along.y, along.x);
-    let f = Vector3::new(w[0], w[1], w[2]);
-    // Moment about vertex i; only forces at j contribute: (r_j - r_i) x f_j.
-    let m = Vector3::new(w[3], w[4], w[5]) - ri.cross(&f);
-    // With f_j = s across + n z and e x z = -across: m . across = -length n, m . z = length s.
-    let side_j = m.z / length;
-    let normal_j = -m.xy().dot(&across) / length;
-    ([f.z - normal_j, normal_j], [f.xy().dot(&across) - side_j, side_j], f.xy().dot(&along), along)
-}
-
-/// Tangential forces proportional to the normal ones times a common translation and rotation field
-/// that carry (t, yaw).
-pub fn share_tangent(sole: &SoleProblem, t: Vector2<f64>, yaw: f64, normal: &[f64], out: &mut [Vector2<f64>]) {
-    let sum: f64 = normal.iter().sum();
-    if sum <= 0.0 {
-        return;
-    }
-    let centre: Vector2<f64> = normal.iter().zip(&sole.vertices).map(|(n, v)| v.r.xy() * (n / sum)).sum();
-    let spread: f64 = normal.iter().zip(&sole.vertices).map(|(n, v)| n * (v.r.xy() - centre).norm_squared()).sum();
-    let about_centre = yaw - centre.perp(&t);
-    let turn = if spread > 0.0 { about_centre / spread } else { 0.0 };
-    for ((n, v), out) in normal.iter().zip(&sole.vertices).zip(out) {
-        let d = v.r.xy() - centre;
-        *out = t * (n / sum) + Vector2::new(-d.y, d.x) * (turn * n);
     }
 }

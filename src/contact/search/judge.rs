@@ -16,8 +16,9 @@ use crate::contact::model::problem::{Level, Problem, SoleProblem, TOUCHING, Tole
 use crate::contact::model::sole_group;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
-use crate::contact::search::candidate::edge_load;
 use crate::contact::search::sliding_directions::Onset;
+use crate::contact::search::static_loads::edge_load;
+use crate::contact::search::turning_modes;
 use nalgebra::{Vector2, Vector3};
 use std::cmp::Ordering;
 
@@ -175,6 +176,8 @@ impl Rules {
 pub const SUSPECT_NORMAL: u8 = 1;
 /// Bit of `Rules::suspect`: the friction load is in doubt.
 pub const SUSPECT_FRICTION: u8 = 2;
+/// Bit of `Rules::suspect`: a torsional or rolling moment is in doubt.
+pub const SUSPECT_TURNING: u8 = 4;
 
 /// Rounding normally allowed in margins, relative to the load scale: solves with condition numbers
 /// up to about 1e4.
@@ -264,6 +267,10 @@ pub fn judge(p: &Problem, states: &States, solution: &Solution, slides: bool, ru
             assessment.levels[2] += 1.0 + (-friction).clamp(0.0, 1e6) + f64::from(!legal);
             faults.friction = true;
         }
+        if turning_modes::fault(p, s, solution, rules).is_some() {
+            assessment.levels[2] += 1.0;
+            faults.friction = true;
+        }
         assessment.faults.set(s, faults);
         assessment.rank[1] += state.normal_rows();
         assessment.rank[2] += usize::from(state.is_dynamic());
@@ -327,7 +334,7 @@ pub fn margin(p: &Problem, states: &States, s: usize, solution: &Solution) -> Ma
         m.slip = group.slip(p, s);
         return m;
     }
-    let capacity = |i: usize| sole.vertices[i].mu_s * n[i].max(0.0);
+    let capacity = |i: usize| sole.vertices[i].stick_mu(p.level) * n[i].max(0.0);
     m.friction = match (state.mode, state.pattern) {
         (Mode::Sliding, _) => f64::INFINITY,
         (Mode::Pivoting(j), _) => friction_capacity::vertex(capacity(j as usize), &t[j as usize]),
@@ -387,7 +394,7 @@ pub fn friction_suffices(p: &Problem, states: &States, s: usize, solution: &Solu
     let sole = &p.soles[s];
     let w = &solution.wrench[6 * s..6 * s + 6];
     let vertices = sole.vertices.iter().zip(&solution.normal[s]);
-    let points = vertices.map(|(v, n)| (v.mu_s * n.max(0.0), v.r.xy()));
+    let points = vertices.map(|(v, n)| (v.stick_mu(p.level) * n.max(0.0), v.r.xy()));
     states[s] == SoleState::fixed(Pattern::Face)
         && !sole_group::is_shared(p, states, s)
         && friction_capacity::carries(points, &solution.tangent[s], &Vector2::new(w[0], w[1]), w[5], sole.radius)
@@ -410,7 +417,7 @@ pub fn onset(p: &Problem, states: &States, s: usize, solution: &Solution, out: &
             let (i, j) = (i as usize, (i as usize + 1) % k);
             let (_, side, along, unit) = edge_load(sole, i, j, &solution.wrench[6 * s..6 * s + 6]);
             let across = Vector2::new(-unit.y, unit.x);
-            let capacity = [i, j].map(|i| sole.vertices[i].mu_s * n[i].max(0.0));
+            let capacity = [i, j].map(|i| sole.vertices[i].stick_mu(p.level) * n[i].max(0.0));
             let room = [0, 1].map(|c| (capacity[c] * capacity[c] - side[c] * side[c]).max(0.0).sqrt());
             let spare = [0, 1].map(|c| capacity[c] - side[c].abs());
             let reach = room[0] + room[1] - along.abs();

@@ -22,6 +22,8 @@ pub mod regularized_modes;
 pub mod select;
 pub mod sliding_directions;
 pub mod slips;
+pub mod static_loads;
+mod turning_modes;
 
 /// Number of soles and links above which smaller systems pay: the static soles condensed, points by themselves.
 const MANY: usize = 4;

@@ -23,8 +23,9 @@
 use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Pattern, SoleState, States};
-use crate::contact::search::candidate::{CandidateSolver, edge_load};
+use crate::contact::search::candidate::CandidateSolver;
 use crate::contact::search::judge::{CLEAR, Rules, greatest_speed, unclamped_violation};
+use crate::contact::search::static_loads::edge_load;
 use crate::linalg::linear::Linear;
 use nalgebra::Vector3;
 

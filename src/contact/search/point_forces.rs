@@ -209,7 +209,7 @@ impl PointForces {
             if p.level == Level::Velocity {
                 free.z -= p.soles[s].vertex_target(i);
             }
-            let (mu, direction) = if v.moving { (v.mu_k, Some(v.direction)) } else { (v.mu_s, None) };
+            let (mu, direction) = if v.moving { (v.slip_mu(), Some(v.direction)) } else { (v.stick_mu(p.level), None) };
             let split = start.map_or(Vector3::zeros(), |(solution, factor)| {
                 let t = solution.tangent[s][i];
                 project(Vector3::new(t.x, t.y, solution.normal[s][i]) * factor, mu, direction)
@@ -321,7 +321,7 @@ impl PointForces {
         let drive = self.drive();
         let mut changed = false;
         for point in self.points.iter_mut().filter(|point| point.direction.is_none()) {
-            let mu_k = p.soles[point.sole].vertices[point.vertex].mu_k;
+            let mu_k = p.soles[point.sole].vertices[point.vertex].slip_mu();
             if point.mu != mu_k && point.dual.xy().norm() > SLIPS * drive && point.split.z > 0.0 {
                 point.mu = mu_k;
                 changed = true;

@@ -31,26 +31,28 @@
 //! Problems with too many states to try all end this search after a number of candidates
 //! (`MOST` in `all_states`). Cancellation ends it after the present candidate.
 //!
-//! `proposals` tests what the point solution suggests, `all_states` searches all states.
+//! `trial` solves and judges a candidate, `proposals` tests what the point solution suggests, `all_states`
+//! searches all states.
 
 mod all_states;
 mod proposals;
+mod trial;
 
 use crate::contact::model::problem::{Level, Problem, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, SoleState, States};
-use crate::contact::search::candidate::{CandidateSolver, share_static};
-use crate::contact::search::judge::{Assessment, MOST_ROUNDING, Rules, SUSPECT_FRICTION, judge, margin, onset};
+use crate::contact::model::turning::TurningMode;
+use crate::contact::search::candidate::CandidateSolver;
+use crate::contact::search::judge::{Assessment, MOST_ROUNDING, Rules, SUSPECT_FRICTION, judge, onset};
 use crate::contact::search::moves::Moves;
 use crate::contact::search::neighbour_screen::NeighbourScreen;
 use crate::contact::search::point_forces::PointForces;
-use crate::contact::search::sliding_directions::{self, DirectionFinder, Onset};
+use crate::contact::search::sliding_directions::{DirectionFinder, Onset};
 use crate::contact::search::slips::{self, Slips};
 use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
-use std::slice;
 use std::sync::atomic::{self, AtomicBool};
 
 /// Candidates tested near the previous states at an event. In a fixed step the contact problem,
@@ -183,11 +185,14 @@ pub struct Selector {
     /// The best candidate so far, with its directions and its solution.
     kept: Option<States>,
     kept_directions: Vec<Vector2<f64>>,
+    kept_turning: Vec<TurningMode>,
     kept_solution: Solution,
     /// Clamped patterns whose modes have been solved for.
     patterns: Vec<States>,
     /// States of one sole on parts of its carrying vertices.
     parts: Vec<SoleState>,
+    /// Scratch of the modes of torsional and rolling friction.
+    turning_motion: Vec<f64>,
 }
 
 impl Selector {
@@ -209,6 +214,8 @@ impl Selector {
             slides: true,
             kept: None,
             kept_directions: Vec::with_capacity(p.vertex_indices().count()),
+            kept_turning: Vec::with_capacity(p.soles.len()),
+            turning_motion: vec![0.0; p.dim()],
             kept_solution: Solution::new(p),
             patterns: Vec::with_capacity(256),
             parts: Vec::with_capacity(3 * 64),
@@ -218,38 +225,6 @@ impl Selector {
     /// The candidate solver, which has solved the chosen states.
     pub fn solver(&mut self) -> &mut CandidateSolver {
         &mut self.solver
-    }
-
-    /// Solves and judges one candidate.
-    pub fn test(&mut self, p: &mut Problem, states: &States, rules: &Rules, out: &mut Solution) -> Assessment {
-        let mut slides = false;
-        if let Some(guess) = &self.guess {
-            slides = self.finder.solve(&mut self.solver, p, states, slice::from_ref(guess), &self.onset, out);
-        }
-        if !slides && (self.finder.thorough || self.guess.is_none()) {
-            let hint = self.slip_of_static_load(p, states, out);
-            slides = self.finder.solve(&mut self.solver, p, states, &[hint], &self.onset, out);
-        }
-        share_static(p, states, out);
-        (self.in_place, self.slides) = (Some(states.clone()), slides);
-        judge(p, states, out, slides, rules)
-    }
-
-    /// Slips in which the static loads of soles with undetermined sliding directions exceed their
-    /// capacity.
-    fn slip_of_static_load(&mut self, p: &Problem, states: &States, out: &mut Solution) -> Slips {
-        let mut hint = Slips::default();
-        let mut stuck = states.clone();
-        let implicit = |s: &usize| sliding_directions::is_implicit(p, states, *s);
-        (0..p.soles.len()).filter(implicit).for_each(|s| stuck[s].mode = Mode::Static);
-        if stuck != *states {
-            self.solver.solve(p, &stuck, out);
-            share_static(p, &stuck, out);
-            for s in (0..p.soles.len()).filter(|&s| stuck[s] != states[s]) {
-                hint[s] = margin(p, &stuck, s, out).slip;
-            }
-        }
-        hint
     }
 
     /// Selects the states. `starts` are tried first, in order. Smaller neighbours of a valid
@@ -281,17 +256,9 @@ impl Selector {
         let found = direct && self.search_near(&mut task, starts, unchanged);
         if direct
             && !found
-            && let Some(states) = self.point_solution(&mut task)
+            && let Some(selection) = self.point_solution(&mut task)
         {
-            let assessment = Assessment::default();
-            return Selection {
-                states,
-                tested: task.tested,
-                full: false,
-                consistent: true,
-                exhausted: true,
-                assessment,
-            };
+            return selection;
         }
         let exhausted = found || !direct || rules.exhaustive;
         if !found && exhausted {
@@ -477,6 +444,7 @@ impl Selector {
         if self.kept.as_ref() == Some(&entry.states) {
             let vertices = task.p.soles.iter_mut().flat_map(|sole| &mut sole.vertices);
             vertices.zip(&self.kept_directions).for_each(|(v, d)| v.direction = *d);
+            task.p.set_turning_modes(&self.kept_turning);
             task.out.copy_from(&self.kept_solution);
             self.in_place.clone_from(&self.kept);
             return;
@@ -491,6 +459,8 @@ impl Selector {
         let vertices = task.p.soles.iter().flat_map(|sole| &sole.vertices);
         self.kept_directions.clear();
         self.kept_directions.extend(vertices.map(|v| v.direction));
+        self.kept_turning.clear();
+        self.kept_turning.extend(task.p.soles.iter().map(|sole| sole.turning.mode));
         self.kept_solution.copy_from(task.out);
         self.kept = Some(states.clone());
     }

@@ -426,7 +426,7 @@ impl DirectionSearch<'_> {
                     // With |u| < 1 this is also the derivative of t / sqrt(|t|^2 + e^2).
                     let u = t / speed;
                     let dt = tangential(&unit, &v.r, &centre, sole.radius);
-                    let df = (dt - u * u.dot(&dt)) * (-v.mu_k * out.normal[s][i] / speed);
+                    let df = (dt - u * u.dot(&dt)) * (-v.slip_mu() * out.normal[s][i] / speed);
                     let more = wrench_at(&v.r, &Vector3::new(df.x, df.y, 0.0));
                     six.iter_mut().zip(more).for_each(|(x, y)| *x += y);
                 }

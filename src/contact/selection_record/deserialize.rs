@@ -6,9 +6,11 @@ use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::{Level, Problem, SoleProblem, Tolerances, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{SoleState, States};
-use crate::contact::search::judge::{Rules, SUSPECT_FRICTION, SUSPECT_NORMAL};
+use crate::contact::model::turning::{Turning, TurningMode};
+use crate::contact::search::judge::{Rules, SUSPECT_FRICTION, SUSPECT_NORMAL, SUSPECT_TURNING};
 use crate::contact::selection_record::{
-    LevelName, SelectionRecord, SelectionRecordError, SelectionResult, SoleRecord, VertexRecord, state_named,
+    LevelName, SelectionRecord, SelectionRecordError, SelectionResult, SoleRecord, TurningRecord, VertexRecord,
+    state_named,
 };
 use nalgebra::{Vector2, Vector3};
 
@@ -34,6 +36,7 @@ impl SelectionRecord {
             body: s.body.unwrap_or(i),
             position: s.reference_m.into(),
             target: s.target.into(),
+            turning: s.turning.map_or(Turning::default(), TurningRecord::to_turning),
         };
         Ok(Problem {
             level: match self.level {
@@ -65,7 +68,8 @@ impl SelectionRecord {
         for (s, sole) in self.soles.iter().enumerate() {
             rules.previous[s] = sole.state(&sole.previous)?;
             rules.suspect[s] = if sole.suspect_normal { SUSPECT_NORMAL } else { 0 }
-                | if sole.suspect_friction { SUSPECT_FRICTION } else { 0 };
+                | if sole.suspect_friction { SUSPECT_FRICTION } else { 0 }
+                | if sole.turning.is_some_and(|t| t.suspect) { SUSPECT_TURNING } else { 0 };
         }
         Ok(rules)
     }
@@ -143,6 +147,24 @@ impl SoleRecord {
     }
 }
 
+impl TurningRecord {
+    fn to_turning(self) -> Turning {
+        Turning {
+            torsional: self.torsional_m,
+            rolling: self.rolling_m,
+            velocity: self.velocity_rad_per_s.into(),
+            bias: self.bias.into(),
+            spins: self.spins,
+            rolls: self.rolls,
+            mode: TurningMode {
+                holds_spin: self.holds_spin,
+                holds_roll: self.holds_roll,
+                direction: self.direction.into(),
+            },
+        }
+    }
+}
+
 impl VertexRecord {
     fn to_vertex(&self) -> Vertex {
         Vertex {
@@ -152,6 +174,7 @@ impl VertexRecord {
             velocity: Vector3::from(self.velocity_m_per_s),
             mu_s: self.mu_s,
             mu_k: self.mu_k,
+            viscous: self.viscous_s_per_m,
             direction: Vector2::from(self.direction),
             moving: self.moving,
             settles: false,

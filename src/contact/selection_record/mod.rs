@@ -119,6 +119,9 @@ pub struct SoleRecord {
     /// Previous state: `free`, or pattern and mode, such as `face-static`, `edge-1-dynamic`,
     /// `face-pivot-2` (turning about vertex 2).
     pub previous: String,
+    /// Its torsional and rolling friction; left out if it has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub turning: Option<TurningRecord>,
     /// State that the scenario imposes, if any: in full at the acceleration level, its pattern
     /// alone at the velocity level.
     pub forced: Option<String>,
@@ -130,6 +133,32 @@ pub struct SoleRecord {
     pub last_wrench: Vec<f64>,
     /// Its vertices in order around the polygon.
     pub vertices: Vec<VertexRecord>,
+}
+
+/// [`Turning`](crate::contact::model::turning::Turning) before the selection.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TurningRecord {
+    /// Greatest torsional moment over the normal force.
+    pub torsional_m: f64,
+    /// Greatest rolling moment over the normal force.
+    pub rolling_m: f64,
+    /// Relative angular velocity.
+    pub velocity_rad_per_s: [f64; 3],
+    /// What the rate of that velocity has besides the angular motion.
+    pub bias: [f64; 3],
+    /// Whether the velocity gives the direction of the spin.
+    pub spins: bool,
+    /// Whether it gives that of the roll.
+    pub rolls: bool,
+    /// Whether the spin was held.
+    pub holds_spin: bool,
+    /// Whether the roll was held.
+    pub holds_roll: bool,
+    /// Directions of what was not held.
+    pub direction: [f64; 3],
+    /// An event has put its moments in doubt.
+    pub suspect: bool,
 }
 
 /// One vertex before the selection.
@@ -148,6 +177,9 @@ pub struct VertexRecord {
     pub mu_s: f64,
     /// Kinetic friction coefficient.
     pub mu_k: f64,
+    /// Increase of the kinetic coefficient with the slip speed, s/m; left out if zero.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub viscous_s_per_m: f64,
     /// Unit direction of sliding; zero when it has none.
     pub direction: [f64; 2],
     /// Whether its velocity gives the direction.
@@ -243,6 +275,11 @@ pub fn state_name(state: SoleState) -> String {
 /// The state named `name` of a sole with `k` vertices.
 pub fn state_named(name: &str, k: usize) -> Option<SoleState> {
     SoleState::refined(k).find(|&s| state_name(s) == name)
+}
+
+/// Whether a number need not be written.
+fn is_zero(x: &f64) -> bool {
+    *x == 0.0
 }
 
 #[cfg(test)]

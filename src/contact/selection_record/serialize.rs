@@ -6,11 +6,12 @@ use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::{Level, Problem, SoleProblem, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::SoleState;
-use crate::contact::search::judge::{SUSPECT_FRICTION, SUSPECT_NORMAL};
+use crate::contact::model::turning::Turning;
+use crate::contact::search::judge::{SUSPECT_FRICTION, SUSPECT_NORMAL, SUSPECT_TURNING};
 use crate::contact::search::select::Selection;
 use crate::contact::selection_record::{
-    LevelName, SelectionRecord, SelectionResult, SoleRecord, ToleranceRecord, Units, VertexRecord, Violations,
-    state_name,
+    LevelName, SelectionRecord, SelectionResult, SoleRecord, ToleranceRecord, TurningRecord, Units, VertexRecord,
+    Violations, state_name,
 };
 
 impl Units {
@@ -42,6 +43,7 @@ impl SelectionRecord {
             body: Some(sole.body),
             radius_m: sole.radius,
             target: sole.target.into(),
+            turning: sole.turning().map(|turning| TurningRecord::new(turning, rules.suspect[s])),
             previous: state_name(rules.previous[s]),
             forced: forced[s].map(state_name),
             suspect_normal: rules.suspect[s] & SUSPECT_NORMAL != 0,
@@ -91,6 +93,23 @@ impl SelectionRecord {
     }
 }
 
+impl TurningRecord {
+    fn new(turning: &Turning, suspect: u8) -> Self {
+        TurningRecord {
+            torsional_m: turning.torsional,
+            rolling_m: turning.rolling,
+            velocity_rad_per_s: turning.velocity.into(),
+            bias: turning.bias.into(),
+            spins: turning.spins,
+            rolls: turning.rolls,
+            holds_spin: turning.mode.holds_spin,
+            holds_roll: turning.mode.holds_roll,
+            direction: turning.mode.direction.into(),
+            suspect: suspect & SUSPECT_TURNING != 0,
+        }
+    }
+}
+
 impl VertexRecord {
     fn new(v: &Vertex, s: usize, i: usize, last: &Solution) -> Self {
         VertexRecord {
@@ -100,6 +119,7 @@ impl VertexRecord {
             velocity_m_per_s: v.velocity.into(),
             mu_s: v.mu_s,
             mu_k: v.mu_k,
+            viscous_s_per_m: v.viscous,
             direction: v.direction.into(),
             moving: v.moving,
             near: v.near,

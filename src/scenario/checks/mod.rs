@@ -189,7 +189,7 @@ impl Check<'_> {
     }
 
     fn friction(&mut self, path: &str, friction: Friction) {
-        let Friction { static_, kinetic } = friction;
+        let Friction { static_, kinetic, .. } = friction;
         if kinetic > static_ {
             self.error(
                 &format!("{path}.kinetic"),

@@ -8,7 +8,7 @@ use serde::{
     de::{Error, MapAccess, Visitor, value::MapAccessDeserializer},
 };
 
-use crate::text::quantity::{angles, json, non_negative};
+use crate::text::quantity::{angles, json, non_negative, some_non_negative};
 
 /// The floor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -49,11 +49,27 @@ pub struct Friction {
     pub static_: f64,
     /// Coefficient while it slides.
     pub kinetic: f64,
+    /// Increase of the kinetic coefficient with the slip speed, s/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub viscous: Option<f64>,
+    /// Greatest torsional moment of a point contact over its normal force, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torsional: Option<f64>,
+    /// Greatest rolling moment of a point contact over its normal force, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rolling: Option<f64>,
+}
+
+impl Friction {
+    /// Coulomb friction alone.
+    pub fn coulomb(static_: f64, kinetic: f64) -> Self {
+        Friction { static_, kinetic, viscous: None, torsional: None, rolling: None }
+    }
 }
 
 impl Default for Friction {
     fn default() -> Self {
-        Friction { static_: 0.8, kinetic: 0.6 }
+        Friction::coulomb(0.8, 0.6)
     }
 }
 
@@ -91,11 +107,17 @@ fn corners<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<[f64; 2]>, D::Error> {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Both {
+struct Table {
     #[serde(rename = "static", deserialize_with = "non_negative")]
     static_: f64,
     #[serde(deserialize_with = "non_negative")]
     kinetic: f64,
+    #[serde(default, deserialize_with = "some_non_negative")]
+    viscous: Option<f64>,
+    #[serde(default, deserialize_with = "some_non_negative")]
+    torsional: Option<f64>,
+    #[serde(default, deserialize_with = "some_non_negative")]
+    rolling: Option<f64>,
 }
 
 struct FrictionVisitor;
@@ -109,7 +131,7 @@ impl<'de> Visitor<'de> for FrictionVisitor {
 
     fn visit_f64<E: Error>(self, value: f64) -> Result<Friction, E> {
         if value >= 0.0 {
-            return Ok(Friction { static_: value, kinetic: value });
+            return Ok(Friction::coulomb(value, value));
         }
         Err(E::custom(format!("must be 0 or greater, not {value}")))
     }
@@ -123,8 +145,9 @@ impl<'de> Visitor<'de> for FrictionVisitor {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Friction, A::Error> {
-        let both = Both::deserialize(MapAccessDeserializer::new(map))?;
-        Ok(Friction { static_: both.static_, kinetic: both.kinetic })
+        let Table { static_, kinetic, viscous, torsional, rolling } =
+            Table::deserialize(MapAccessDeserializer::new(map))?;
+        Ok(Friction { static_, kinetic, viscous, torsional, rolling })
     }
 }
 
@@ -141,14 +164,29 @@ impl JsonSchema for Friction {
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         json_schema!({
-            "description": "Coulomb friction: one coefficient, or static (not smaller) and kinetic.",
+            "description": "Coulomb friction: one coefficient, or static (not smaller) and kinetic, with optional terms.",
             "anyOf": [
                 {"type": "number", "minimum": 0},
                 {
                     "type": "object",
                     "properties": {
                         "static": {"type": "number", "minimum": 0},
-                        "kinetic": {"type": "number", "minimum": 0}
+                        "kinetic": {"type": "number", "minimum": 0},
+                        "viscous": {
+                            "description": "Increase of the kinetic coefficient with the slip speed, s/m.",
+                            "type": "number",
+                            "minimum": 0
+                        },
+                        "torsional": {
+                            "description": "Greatest torsional moment of a point contact over its normal force, m.",
+                            "type": "number",
+                            "minimum": 0
+                        },
+                        "rolling": {
+                            "description": "Greatest rolling moment of a point contact over its normal force, m.",
+                            "type": "number",
+                            "minimum": 0
+                        }
                     },
                     "required": ["static", "kinetic"],
                     "additionalProperties": false

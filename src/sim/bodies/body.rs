@@ -1,25 +1,39 @@
 //! A convex body that may touch others.
 
+use crate::contact::model::problem::SoleProblem;
 use crate::dynamics::Workspace;
 use crate::dynamics::reduced::{BodyId, Mechanisms};
 use crate::patches::{ConvexBody, Placement};
-use crate::terrain::TerrainPiece;
+use crate::terrain::{ExtraFriction, TerrainPiece};
 use nalgebra::{Matrix3, Vector3};
 
-/// Static and kinetic coefficient of friction.
+/// Friction of a surface or of a pair of surfaces.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Friction {
     /// Static coefficient.
     pub mu_s: f64,
     /// Kinetic coefficient.
     pub mu_k: f64,
+    /// Its other terms.
+    pub extra: ExtraFriction,
 }
 
 impl Friction {
+    /// Gives it to a vertex of a polygon.
+    pub fn assign(&self, sole: &mut SoleProblem, vertex: usize) {
+        let (v, turning) = (&mut sole.vertices[vertex], &mut sole.turning);
+        (v.mu_s, v.mu_k, v.viscous) = (self.mu_s, self.mu_k, self.extra.viscous.unwrap_or(0.0));
+        turning.torsional = self.extra.torsional.unwrap_or(0.0);
+        turning.rolling = self.extra.rolling.unwrap_or(0.0);
+    }
+
     /// The smaller coefficients of both, or those of the only one.
     pub fn smaller(a: Option<Friction>, b: Option<Friction>) -> Option<Friction> {
         match (a, b) {
-            (Some(a), Some(b)) => Some(Friction { mu_s: a.mu_s.min(b.mu_s), mu_k: a.mu_k.min(b.mu_k) }),
+            (Some(a), Some(b)) => {
+                let extra = a.extra.smaller(b.extra);
+                Some(Friction { mu_s: a.mu_s.min(b.mu_s), mu_k: a.mu_k.min(b.mu_k), extra })
+            }
             (a, b) => a.or(b),
         }
     }
@@ -75,7 +89,11 @@ impl Body {
             name: piece.name.to_string(),
             host: Host::World(Matrix3::identity(), Vector3::zeros()),
             shape,
-            friction: (!piece.is_like_floor).then_some(Friction { mu_s: piece.mu_s, mu_k: piece.mu_k }),
+            friction: (!piece.is_like_floor).then_some(Friction {
+                mu_s: piece.mu_s,
+                mu_k: piece.mu_k,
+                extra: piece.extra,
+            }),
             floor: if piece.is_like_floor { FloorFriction::Plane } else { FloorFriction::None },
         })
     }

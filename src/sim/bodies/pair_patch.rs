@@ -397,6 +397,14 @@ impl PairPatch {
         if radius > 0.0 { radius } else { 1.0 }
     }
 
+    /// Rate of the relative angular velocity at vertex `i` that the turn of the normal brings,
+    /// omega x (n x n'), world, rad/s^2.
+    pub fn turning_bias(&self, i: usize) -> Vector3<f64> {
+        let (a, b) = &self.parts[self.vertices[i].0].placements;
+        let n: Vector3<f64> = self.axes().column(2).into();
+        (a.omega - b.omega).cross(&n.cross(&self.point(i).normal_rate))
+    }
+
     /// Updates the geometry to the kinematics.
     pub fn update(&mut self, bodies: &[Body], mechanisms: Mechanisms) {
         self.parts.iter_mut().for_each(|part| part.update(bodies, mechanisms));

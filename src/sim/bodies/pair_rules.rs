@@ -49,7 +49,7 @@ mod tests {
     fn the_last_rule_that_applies_counts() {
         let rule = |a: &str, b: &str, mu: Option<f64>| PairRule {
             bodies: [a.into(), b.into()],
-            friction: mu.map(|mu| Friction { mu_s: mu, mu_k: mu }),
+            friction: mu.map(|mu| Friction { mu_s: mu, mu_k: mu, extra: Default::default() }),
             touch: mu.is_some(),
         };
         let rules = PairRules(vec![rule("*", "floor", Some(0.1)), rule("box", "*", Some(0.2)), rule("a", "b", None)]);

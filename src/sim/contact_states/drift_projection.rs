@@ -87,7 +87,13 @@ impl RunState {
                 true => v.z.abs(),
             }
         };
-        p.vertex_indices().map(error).fold(0.0, f64::max)
+        // At a lever of a metre.
+        let turning = p.turning(states).map(|(s, turning)| {
+            let motion = p.turning_motion(&p.b, s);
+            let held = |holds: bool, speed: f64| if holds { speed } else { 0.0 };
+            held(turning.holds_roll(), motion.xy().norm()).max(held(turning.holds_spin(), motion.z.abs()))
+        });
+        p.vertex_indices().map(error).chain(turning).fold(0.0, f64::max)
     }
 
     /// Whether the change in `self.projection` is in proportion to the error that it removes. Always without

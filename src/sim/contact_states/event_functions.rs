@@ -57,6 +57,7 @@ fn with_contact<T>(sim: &RunState, f: impl FnOnce(&ContactInForce) -> T) -> T {
         states: &plant.states,
         solution: &plant.solution,
         directions: &plant.directions,
+        turning: &plant.turning,
         tolerances: &sim.tolerances,
         is_compliant: plant.is_compliant(),
         regions: (!plant.floor.patches.is_empty()).then_some(plant),

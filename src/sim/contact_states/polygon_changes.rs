@@ -13,7 +13,7 @@ use crate::sim::bodies::PairPatch;
 use crate::sim::floor::VertexRegion;
 use crate::sim::plant::Polygon;
 use crate::sim::run::RunState;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// For each polygon the former polygon in its place, and for each vertex its former index.
 pub struct Origins(Vec<Option<(usize, Vec<Option<usize>>)>>);
@@ -152,6 +152,12 @@ impl RunState {
         }
         plant.directions = origins.carry(&sizes, &plant.directions, Vector2::zeros());
         turn_with_axes(&polygons, origins, &plant.reduced, &mut plant.directions);
+        let axes = plant.reduced.axes.clone();
+        plant.carry_turning(sizes.len(), |s| {
+            let (at, patch) = (origins.of(s)?, polygons[s].pair());
+            Some((at, patch.map_or(Matrix3::identity(), |patch| patch.axes().tr_mul(&axes[at]))))
+        });
+        plant.problem.set_turning_modes(&plant.turning);
         turn_with_axes(&polygons, origins, &plant.reduced, &mut plant.solution.tangent);
         plant.regions = origins.carry(&sizes, &plant.regions, VertexRegion::default());
         let mechanisms = plant.objects.mechanisms(&plant.ws);

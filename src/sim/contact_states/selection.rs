@@ -313,6 +313,34 @@ impl RunState {
         self.event(observer, kind, &subject, &format!("{old} to {new}"))
     }
 
+    /// Reports that torsional or rolling friction of a contact that remains begins or ceases to hold.
+    fn report_turning(
+        &mut self,
+        s: usize,
+        old: SoleState,
+        new: SoleState,
+        observer: &mut dyn Observer,
+    ) -> Result<(), RunError> {
+        let plant = &self.plant;
+        let (Some(turning), Some(before)) = (plant.problem.soles[s].turning(), plant.turning.get(s)) else {
+            return Ok(());
+        };
+        if !self.started || old == SoleState::FREE || new == SoleState::FREE {
+            return Ok(());
+        }
+        let changes = [
+            (turning.torsional > 0.0, before.holds_spin, turning.mode.holds_spin, ["spin begins", "spin ends"]),
+            (turning.rolling > 0.0, before.holds_roll, turning.mode.holds_roll, ["roll begins", "roll ends"]),
+        ];
+        for (exists, was_held, is_held, message) in changes {
+            if exists && was_held != is_held {
+                let subject = self.plant.polygons[s].name().to_owned();
+                self.event(observer, EventKind::Turning, &subject, message[usize::from(is_held)])?;
+            }
+        }
+        Ok(())
+    }
+
     /// Adopts the states: counts and reports changes, and anchors the vertices of soles that
     /// changed.
     pub(in crate::sim) fn adopt(&mut self, states: States, observer: &mut dyn Observer) -> Result<(), RunError> {
@@ -321,6 +349,7 @@ impl RunState {
             for (d, v) in self.plant.directions[s].iter_mut().zip(&self.plant.problem.soles[s].vertices) {
                 *d = v.direction;
             }
+            self.report_turning(s, old, new, observer)?;
             if old == new {
                 continue;
             }
@@ -335,6 +364,7 @@ impl RunState {
             }
         }
         self.plant.states = states;
+        self.plant.adopt_turning();
         Ok(())
     }
 
@@ -357,8 +387,10 @@ impl RunState {
         let p = &mut plant.problem;
         let held = impact::set_rest(p, &plant.reduced.velocity, &states, &tol, 0.0);
         p.soles.iter_mut().flat_map(|sole| &mut sole.vertices).for_each(|v| v.direction = Vector2::zeros());
+        p.free_turning();
         plant.method.respond(p, &held, &mut self.projection);
         p.set_directions(&plant.directions);
+        p.set_turning_modes(&plant.turning);
         let jump = plant.apply_impulses(&self.projection.wrench);
         self.energy.add_jump(jump);
         self.plant.evaluate_free();
@@ -380,18 +412,22 @@ impl RunState {
             // energy.
             let vertices = p.soles.iter_mut().flat_map(|sole| &mut sole.vertices);
             vertices.for_each(|v| v.direction = Vector2::zeros());
+            p.clear_turning_directions();
         }
         plant.method.respond(p, &states, &mut self.projection);
         if !least && impulse_work(p, &self.projection) > GAIN * plant.problem.scale {
             // Normal impulses respond to friction almost without bound.
             let vertices = plant.problem.soles.iter_mut().flat_map(|sole| &mut sole.vertices);
             vertices.for_each(|v| v.direction = Vector2::zeros());
+            plant.problem.clear_turning_directions();
             plant.method.respond(&plant.problem, &states, &mut self.projection);
             plant.problem.set_directions(&plant.directions);
+            plant.problem.set_turning_modes(&plant.turning);
         }
         let p = &mut plant.problem;
         if least {
             p.set_directions(&plant.directions);
+            p.set_turning_modes(&plant.turning);
         }
         if !self.is_projectable(self.velocity_error(&states)) {
             return 0.0;

@@ -36,6 +36,7 @@ impl RunState {
         for (directions, sole) in self.plant.directions.iter_mut().zip(&self.plant.problem.soles) {
             directions.iter_mut().zip(&sole.vertices).for_each(|(d, v)| *d = v.direction);
         }
+        self.plant.adopt_turning();
         Ok(())
     }
 

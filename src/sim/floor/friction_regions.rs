@@ -11,6 +11,7 @@
 
 use super::patch::{Patch, border_width};
 use crate::geometry::Plane;
+use crate::terrain::ExtraFriction;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// A friction region: the index of a patch, or none for the plane around all patches.
@@ -30,6 +31,8 @@ pub struct Floor {
     pub mu_s: f64,
     /// Kinetic friction coefficient.
     pub mu_k: f64,
+    /// The other terms of friction.
+    pub extra: ExtraFriction,
     /// Patches with friction of their own; where they overlap the last one applies.
     pub patches: Vec<Patch>,
     /// Whether nothing touches the plane: only terrain carries the robot.
@@ -71,6 +74,11 @@ impl Floor {
     /// Static and kinetic friction coefficient of a region.
     pub fn friction(&self, region: RegionId) -> (f64, f64) {
         region.map_or((self.mu_s, self.mu_k), |z| (self.patches[z].mu_s, self.patches[z].mu_k))
+    }
+
+    /// The other terms of friction of a region.
+    pub fn extra(&self, region: RegionId) -> ExtraFriction {
+        region.map_or(self.extra, |z| self.patches[z].extra)
     }
 
     /// Where the segment from `from` to `to` leaves `region`, if it does: the middle between that
@@ -126,12 +134,14 @@ mod tests {
             corners: c.iter().map(|&p| p.into()).collect(),
             mu_s: i as f64,
             mu_k: i as f64,
+            extra: ExtraFriction::default(),
         };
         Floor {
             rotation: Matrix3::identity(),
             point: Vector3::zeros(),
             mu_s: 9.0,
             mu_k: 8.0,
+            extra: ExtraFriction::default(),
             patches: patches.iter().enumerate().map(patch).collect(),
             is_absent: false,
         }

@@ -8,6 +8,7 @@
 //! inside(p) = +- min over edges |p - edge|        positive within the polygon
 //! ```
 
+use crate::terrain::ExtraFriction;
 use nalgebra::Vector2;
 
 /// Width of a border, m: a point nearer to a border is on it. It is 1e-12 times the coordinates, at
@@ -25,6 +26,8 @@ pub struct Patch {
     pub mu_s: f64,
     /// Kinetic friction coefficient.
     pub mu_k: f64,
+    /// Its other terms of friction.
+    pub extra: ExtraFriction,
 }
 
 impl Patch {

@@ -30,6 +30,7 @@ impl Plant {
                 dampers -= normal.map(|(vertex, n)| n * vertex.velocity.z).sum::<f64>();
             }
         }
+        friction += self.turning_power(|s| self.problem.soles[s].turning.velocity);
         dampers -= self.stored().power;
         let (mut actuators, mut losses) = (dot(&self.drives.efforts, joints), -dot(&self.passive, joints));
         let mut external = dot(&self.external, v);
@@ -79,6 +80,10 @@ impl Plant {
                 friction += 0.5 * t.dot(&(vertex.velocity + after).xy());
             }
         }
+        friction += self.turning_power(|s| {
+            let turning = &self.problem.soles[s].turning;
+            0.5 * (turning.velocity + self.problem.turning_motion(&self.solution.motion, s))
+        });
         let pairs = self.reduced.velocity.iter().zip(&self.solution.motion);
         let contact: f64 = self.solution.wrench.iter().zip(pairs).map(|(w, (a, b))| 0.5 * w * (a + b)).sum();
         (EnergyFlows([actuators, external, joints, -friction, 0.0]), contact - friction)

@@ -90,11 +90,10 @@ impl Plant {
     /// Sets the coefficients of a vertex in its region.
     fn set_friction(&mut self, s: usize, i: usize) {
         let (mu_s, mu_k) = self.floor.friction(self.regions[s][i].region);
-        let floor = Friction { mu_s, mu_k };
+        let floor = Friction { mu_s, mu_k, extra: self.floor.extra(self.regions[s][i].region) };
         let with = |patch: &PairPatch| patch.friction(i).with(floor);
         let friction = self.polygons[s].pair().map_or(self.floor_rules[s].unwrap_or(floor), with);
-        let v = &mut self.problem.soles[s].vertices[i];
-        (v.mu_s, v.mu_k) = (friction.mu_s, friction.mu_k);
+        friction.assign(&mut self.problem.soles[s], i);
     }
 
     /// Assigns every vertex the friction of its region and forgets its history. Needs the vertices.

@@ -36,6 +36,7 @@ pub mod sole_loads;
 pub mod state_layout;
 mod stiff_products;
 pub mod system;
+mod turning;
 
 pub use energy_flows::EnergyFlows;
 pub use objects::ObjectSetup;

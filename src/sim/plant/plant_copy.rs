@@ -36,6 +36,7 @@ impl Plant {
             step_loads: self.step_loads,
             method: self.method.copy().unwrap_or_else(|| method.solver(&self.problem)),
             directions: self.directions.clone(),
+            turning: self.turning.clone(),
             fast_slips: self.fast_slips.clone(),
             regions: self.regions.clone(),
             rest: self.rest,

@@ -71,6 +71,7 @@ impl Plant {
                 v.direction = if is_known { *reference } else { direction(&v.velocity.xy(), reference, slow) };
             }
         }
+        self.update_turning_directions();
     }
 
     /// Speed of a sole's sliding vertex, m/s, up to which its direction depends on the reference.
@@ -117,6 +118,7 @@ impl Plant {
                 }
             }
         }
+        self.update_turning_references();
     }
 }
 

@@ -20,7 +20,8 @@ use crate::contact::model::problem::{Level, Problem};
 use crate::contact::model::residual::{self, Residual};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::States;
-use crate::contact::search::candidate::share_static;
+use crate::contact::model::turning::TurningMode;
+use crate::contact::search::static_loads::share_static;
 use crate::dynamics::reduced::ContactFrame;
 use crate::dynamics::{DynamicsError, State, Workspace, crba, kinematics, reduced, rnea};
 use crate::force::Force;
@@ -127,6 +128,8 @@ pub struct Plant {
     pub method: Box<dyn ContactSolver>,
     /// Reference sliding directions, by sole and vertex, from the last choice of states.
     pub directions: Vec<Vec<Vector2<f64>>>,
+    /// Reference modes of torsional and rolling friction, by polygon, from the last choice of states.
+    pub turning: Vec<TurningMode>,
     /// Vertices of each sole, as bits, that have been faster than its `direction_speed` since they
     /// began to slide.
     pub fast_slips: PerSole<u64>,
@@ -210,6 +213,7 @@ impl Plant {
             method,
             problem,
             directions,
+            turning: vec![TurningMode::default(); model.soles.len()],
             fast_slips: PerSole::default(),
             regions: model.soles.iter().map(|s| vec![VertexRegion::default(); s.vertices.len()]).collect(),
             rest: setup.rest,
@@ -425,6 +429,7 @@ impl Plant {
                 v.near = false;
             }
         }
+        self.update_turning_motion();
     }
 
     /// Full evaluation at `self.state`: accelerations and contact wrenches with the states held.

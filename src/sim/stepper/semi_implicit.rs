@@ -181,6 +181,8 @@ pub(super) fn set_velocity_problem(sim: &mut RunState, dt: f64) {
         *b = v + dt * a;
     }
     for s in 0..p.soles.len() {
+        let turning = &mut p.soles[s].turning;
+        (turning.bias, turning.spins, turning.rolls) = (Vector3::zeros(), false, false);
         for v in &mut p.soles[s].vertices {
             v.bias = Vector3::zeros();
         }

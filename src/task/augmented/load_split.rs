@@ -14,7 +14,8 @@ use super::contacts::UNLOADED;
 use super::soles::SoleData;
 use crate::contact::model::pressure;
 use crate::contact::model::problem::{SoleProblem, Vertex};
-use crate::contact::search::candidate::share_tangent;
+use crate::contact::model::turning::Turning;
+use crate::contact::search::static_loads::share_tangent;
 use crate::geometry::Plane;
 use crate::robot::{Model, Sole};
 use crate::task::sensor_readings::SoleLoad;
@@ -68,6 +69,7 @@ fn problem(sole: &Sole) -> SoleProblem {
         body: sole.link.0,
         position: Vector3::zeros(),
         target: Vector3::zeros(),
+        turning: Turning::default(),
     }
 }
 

@@ -44,6 +44,7 @@ pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     only_semi_implicit: None,
     restitution: false,
     unforced: Some("clamps no vertices"),
+    momentless: Some("gives vertices forces alone"),
     colour: "#00795A",
     is_configured: |parameters| parameters.penalty != PenaltyParameters::default(),
     unknowns: None,
@@ -102,11 +103,17 @@ impl PenaltyParameters {
         if normal > 0.0 {
             let slip = v.velocity.xy();
             // Forces per newton of normal force.
-            let per_load = self.slip(&slip) * -v.mu_k;
+            let per_load = self.slip(&slip) * -v.slip_mu();
             let per_load = Vector3::new(per_load.x, per_load.y, 1.0);
             slopes.by_height = per_load * -self.stiffness;
             slopes.by_velocity.set_column(2, &(per_load * -self.damping));
-            slopes.by_velocity.fixed_view_mut::<2, 2>(0, 0).copy_from(&(self.turn(&slip) * (-v.mu_k * normal)));
+            slopes.by_velocity.fixed_view_mut::<2, 2>(0, 0).copy_from(&(self.turn(&slip) * (-v.slip_mu() * normal)));
+            if v.viscous != 0.0 {
+                let direction = slip.try_normalize(0.0).unwrap_or_default();
+                let growth = self.slip(&slip) * direction.transpose() * (v.viscous * normal);
+                let mut tangential = slopes.by_velocity.fixed_view_mut::<2, 2>(0, 0);
+                tangential -= growth;
+            }
         }
         slopes
     }
@@ -189,7 +196,7 @@ impl ContactSolver for Penalty {
             for (i, v) in sole.vertices.iter().enumerate() {
                 let n = if inside.next() == Some(&true) { self.law.normal(v) } else { 0.0 };
                 out.normal[s][i] = n;
-                out.tangent[s][i] = self.law.slip(&v.velocity.xy()) * (-v.mu_k * n);
+                out.tangent[s][i] = self.law.slip(&v.velocity.xy()) * (-v.slip_mu() * n);
             }
         }
         out.gather_vertex_forces(p);

@@ -114,7 +114,7 @@ impl Step {
     /// Impulse of the floor on a vertex that ends the step with velocity `u`, N s.
     fn impulse(&self, v: &Vertex, u: &Vector3<f64>, dt: f64) -> Vector3<f64> {
         let n = (-self.law.stiffness * v.height * dt - self.damping(v, dt) * u.z).max(0.0);
-        let t = self.law.slip(&u.xy()) * (-v.mu_k * n);
+        let t = self.law.slip(&u.xy()) * (-v.slip_mu() * n);
         Vector3::new(t.x, t.y, n)
     }
 
@@ -132,8 +132,8 @@ impl Step {
             let slip = self.law.slip(&u.xy());
             let turn = self.law.turn(&u.xy());
             let normal = self.damping(v, dt);
-            k.fixed_view_mut::<2, 2>(0, 0).copy_from(&(turn * (v.mu_k * n)));
-            k.fixed_view_mut::<2, 1>(0, 2).copy_from(&(slip * (-v.mu_k * normal)));
+            k.fixed_view_mut::<2, 2>(0, 0).copy_from(&(turn * (v.slip_mu() * n)));
+            k.fixed_view_mut::<2, 1>(0, 2).copy_from(&(slip * (-v.slip_mu() * normal)));
             k[(2, 2)] = normal;
         }
         k

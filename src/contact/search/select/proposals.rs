@@ -1,6 +1,6 @@
 //! Candidates that the contact problem solved with every vertex as a point suggests.
 
-use super::{Selector, Task, all_states};
+use super::{Selection, Selector, Task, all_states};
 use crate::contact::model::problem::{Level, Problem, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{SoleState, States};
@@ -86,7 +86,7 @@ impl Selector {
     /// the contact laws at every vertex, whatever the states that tests found invalid. An impact with a
     /// rebound needs a state, whose restitution is that of the whole sole. Where an impact has more states
     /// than can be tried, a less accurate solution is taken: what it leaves of the approach is another impact.
-    pub(super) fn point_solution(&mut self, task: &mut Task) -> Option<States> {
+    pub(super) fn point_solution(&mut self, task: &mut Task) -> Option<Selection> {
         let is_impact = task.p.step == 0.0;
         let accuracy = if is_impact && !all_states::can_enumerate(task.p) { TAKEN_LAST } else { SOLVED };
         if !self.is_posed(task) || self.points.residual() > accuracy {
@@ -102,7 +102,11 @@ impl Selector {
                 task.p.soles[s].vertices[i].direction = t.try_normalize(0.0).unwrap_or_default();
             }
         }
-        Some(states)
+        // A point carries no moment.
+        task.p.free_turning();
+        let consistent = !lacks_moments(task.p, &states, task.out, task.rules.tolerances.rest);
+        let assessment = Assessment::default();
+        Some(Selection { states, tested: task.tested, full: false, consistent, exhausted: true, assessment })
     }
 
     /// Tests the states that the solution with every vertex as a point indicates: as soon as two
@@ -344,4 +348,14 @@ impl Selector {
         self.push(task, states);
         (self.solver.thorough, self.finder.thorough) = (true, true);
     }
+}
+
+/// Whether a solution with points, which carry no moments, lets a contact turn that torsional or rolling friction
+/// would brake. `rest` in rad/s.
+fn lacks_moments(p: &Problem, states: &States, out: &Solution, rest: f64) -> bool {
+    p.turning(states).any(|(s, turning)| {
+        let omega = p.turning_motion(&out.motion, s);
+        let (spins, rolls) = (omega.z.abs() > rest, omega.xy().norm() > rest);
+        out.normal[s][0] > 0.0 && (turning.torsional > 0.0 && spins || turning.rolling > 0.0 && rolls)
+    })
 }
