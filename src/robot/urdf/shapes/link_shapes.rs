@@ -6,6 +6,7 @@ use std::path::Path;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use roxmltree::Node;
 
+use super::capsules::joined;
 use super::package;
 use crate::mesh::MeshError;
 use crate::robot::mesh_store::MeshStore;
@@ -51,7 +52,7 @@ impl<'a> Shapes<'a> {
                 rgba,
             }));
         }
-        shapes
+        joined(shapes)
     }
 
     /// As [`Self::visuals`], for collision shapes.
@@ -63,7 +64,7 @@ impl<'a> Shapes<'a> {
             let geometry = self.geometry(&collision.geometry, node, notices);
             shapes.extend(geometry.map(|geometry| Shape { pose, geometry, rgba: GREY }));
         }
-        shapes
+        joined(shapes)
     }
 
     fn elements(&self, link: &str, tag: &str) -> Vec<Node<'a, 'a>> {

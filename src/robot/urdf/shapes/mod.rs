@@ -2,6 +2,7 @@
 //!
 //! Called by the construction of the moving tree.
 
+mod capsules;
 mod link_shapes;
 mod package;
 
