@@ -6,14 +6,17 @@
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use super::mesh_files::MeshFiles;
-use super::mjcf_parts::{actuators, equalities, home, sensors, sites};
+use super::mjcf_inertia::{inertial, raised_inertial};
+use super::mjcf_parts::{NO_EFFORT, actuators, equalities, home, sensors, sites};
 use super::xml_text::{Lines, direction, escape, number, numbers, wxyz};
 use super::{Converted, joint_warnings, list};
 use crate::geometry::spatial_hull::convex_hull_3d;
-use crate::robot::{Base, Geometry, Joint, JointKind, Link, Model, RigidInertia, Shape};
+use crate::robot::{Base, Geometry, Joint, JointKind, Link, LinkId, Model, Shape};
 
 /// Limit that stands for none where the other one is given, rad or m.
 const FAR: f64 = 1e10;
+/// Greatest number of joints of one body in MuJoCo.
+const MAX_JOINTS: usize = 6;
 
 /// The text, with meshes and warnings.
 pub(super) fn write(model: &Model, folder: &str) -> Converted {
@@ -21,14 +24,15 @@ pub(super) fn write(model: &Model, folder: &str) -> Converted {
     let mut body = Lines::default();
     body.open("<mujoco>");
     body.open("<worldbody>");
-    let mut tree = Tree { model, children: vec![Vec::new(); model.links.len()], lines: body, flat: Vec::new() };
+    let children = vec![Vec::new(); model.links.len()];
+    let mut tree = Tree { model, children, lines: body, flat: Vec::new(), raised: Vec::new() };
     for (i, link) in model.links.iter().enumerate() {
         if let Some(parent) = link.parent {
             tree.children[parent.0].push(i);
         }
     }
     tree.write(&mut meshes);
-    let Tree { lines: mut body, flat, .. } = tree;
+    let Tree { lines: mut body, flat, raised, .. } = tree;
     let flat: Vec<&str> = flat.iter().map(String::as_str).collect();
     body.close("</worldbody>");
     equalities(model, &mut body, &mut warnings);
@@ -37,6 +41,11 @@ pub(super) fn write(model: &Model, folder: &str) -> Converted {
     home(model, &mut body);
     body.close("</mujoco>");
     list("a flat mesh", "link", &flat, &mut warnings);
+    warnings.extend(raised);
+    let idle = model.joints.iter().filter(|j| j.effort_limit == 0.0);
+    warnings.extend(idle.map(|joint| {
+        format!("the effort limit 0 of joint `{}` is written as {NO_EFFORT:e}, as MJCF has none of 0", joint.name)
+    }));
     joint_warnings(model, true, &mut warnings);
     let names: Vec<&str> =
         model.joints.iter().filter(|j| j.velocity_limit.is_finite()).map(|j| j.name.as_str()).collect();
@@ -77,6 +86,8 @@ struct Tree<'a> {
     lines: Lines,
     /// Links whose flat meshes are left out.
     flat: Vec<String>,
+    /// Warnings about masses and inertias below those that MuJoCo takes.
+    raised: Vec<String>,
 }
 
 /// A step of the walk: a body, or the end of one.
@@ -88,8 +99,13 @@ enum Step {
 impl Tree<'_> {
     /// The link is only a motion of the next one.
     fn is_motion(&self, i: usize) -> bool {
-        let link = &self.model.links[i];
-        let carries_frames = self.model.loops.iter().any(|l| l.link.0 == i || l.other.is_some_and(|o| o.0 == i));
+        let (model, link) = (self.model, &self.model.links[i]);
+        let on = |id: LinkId| id.0 == i;
+        let sensors = model.sensors.imu.iter().chain(&model.sensors.force);
+        let carries_frames = model.loops.iter().any(|l| on(l.link) || l.other.is_some_and(on))
+            || model.soles.iter().any(|sole| on(sole.link))
+            || model.end_effectors.iter().any(|effector| on(effector.link))
+            || sensors.into_iter().any(|sensor| on(sensor.mount.link));
         link.parent.is_some()
             && link.mass == 0.0
             && link.inertia.amax() == 0.0
@@ -110,6 +126,7 @@ impl Tree<'_> {
             };
             let mut chain = vec![link];
             while let Some(&last) = chain.last()
+                && chain.len() < MAX_JOINTS
                 && self.is_motion(last)
             {
                 chain.push(self.children[last][0]);
@@ -141,8 +158,13 @@ impl Tree<'_> {
         let (pos, quat) = (numbers(pose.translation.vector.as_slice()), wxyz(&pose.rotation));
         let name = escape(&body_name(model, link));
         self.lines.open(&format!("<body name=\"{name}\" pos=\"{pos}\" quat=\"{quat}\">"));
-        if link.mass > 0.0 || link.inertia.amax() > 0.0 {
-            inertial(&mut self.lines, &link.body().transformed(&link.urdf_frame.inverse()));
+        let inertia = link.body().transformed(&link.urdf_frame.inverse());
+        if parent.is_some() || model.base == Base::Floating {
+            let (line, warning) = raised_inertial(&inertia);
+            self.lines.line(&line);
+            self.raised.extend(warning.map(|text| format!("link `{}` has {text}", link.name)));
+        } else if link.mass > 0.0 || link.inertia.amax() > 0.0 {
+            self.lines.line(&inertial(&inertia));
         }
         if parent.is_none() && model.base == Base::Floating {
             self.lines.line(&format!("<freejoint name=\"{}\"/>", escape(&free_joint(model))));
@@ -176,13 +198,6 @@ fn at_zero(link: &Link) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::from(link.offset), rotation)
 }
 
-fn inertial(lines: &mut Lines, body: &RigidInertia) {
-    let t = &body.tensor;
-    let full = [t[(0, 0)], t[(1, 1)], t[(2, 2)], t[(0, 1)], t[(0, 2)], t[(1, 2)]];
-    let (pos, mass, full) = (numbers(body.com.as_slice()), number(body.mass), numbers(&full));
-    lines.line(&format!("<inertial pos=\"{pos}\" mass=\"{mass}\" fullinertia=\"{full}\"/>"));
-}
-
 /// `pose` is that of the joint's frame in the body.
 fn joint(lines: &mut Lines, joint: &Joint, pose: &Isometry3<f64>) {
     let kind = if joint.kind == JointKind::Prismatic { "slide" } else { "hinge" };
@@ -202,8 +217,9 @@ fn joint(lines: &mut Lines, joint: &Joint, pose: &Isometry3<f64>) {
             text += &format!(" {key}=\"{}\"", number(value));
         }
     }
-    if joint.effort_limit.is_finite() && joint.effort_limit > 0.0 {
-        text += &format!(" actuatorfrcrange=\"{}\"", numbers(&[-joint.effort_limit, joint.effort_limit]));
+    if joint.effort_limit.is_finite() {
+        let limit = joint.effort_limit.max(NO_EFFORT);
+        text += &format!(" actuatorfrcrange=\"{}\"", numbers(&[-limit, limit]));
     }
     lines.line(&(text + "/>"));
 }

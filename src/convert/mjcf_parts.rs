@@ -7,6 +7,8 @@ use crate::robot::{Base, DriveMode, LoopKind, Model};
 
 /// Distance of the two points that hold the axis of a pin, m.
 const PIN: f64 = 0.1;
+/// Stands for an effort limit of 0, N m or N, which MJCF lacks; mjMINVAL of MuJoCo.
+pub(super) const NO_EFFORT: f64 = 1e-15;
 
 /// Sites on a link: vertices of soles, sensors, end effectors, ends of loops. `to_body` leads from
 /// the internal frame to the body's.
@@ -58,15 +60,16 @@ pub(super) fn equalities(model: &Model, lines: &mut Lines, warnings: &mut Vec<St
     }
     for closure in &model.loops {
         let name = escape(&closure.name);
-        let connect = |part: &str| format!("<connect site1=\"loop/{name}{part}/0\" site2=\"loop/{name}{part}/1\"/>");
+        let ends = |part: &str| format!("site1=\"loop/{name}{part}/0\" site2=\"loop/{name}{part}/1\"");
+        // The second connection of a pin has no name: both are read as one loop.
+        let connect = |part: &str| format!("<connect {}/>", ends(part));
+        let named = format!("<connect name=\"{name}\" {}/>", ends(""));
         match (closure.kind, closure.other) {
             (LoopKind::Rod(_), _) => warnings.push(format!("the rod `{}` is not written", closure.name)),
             (_, None) => warnings.push(format!("the loop `{}`, which the world closes, is not written", closure.name)),
-            (LoopKind::Ball, _) => inner.push(connect("")),
-            (LoopKind::Pin, _) => inner.extend([connect(""), connect("/axis")]),
-            (LoopKind::Weld, _) => {
-                inner.push(format!("<weld site1=\"loop/{name}/0\" site2=\"loop/{name}/1\"/>"));
-            }
+            (LoopKind::Ball, _) => inner.push(named),
+            (LoopKind::Pin, _) => inner.extend([named, connect("/axis")]),
+            (LoopKind::Weld, _) => inner.push(format!("<weld name=\"{name}\" {}/>", ends(""))),
         }
     }
     section("equality", &inner, lines);
@@ -84,8 +87,8 @@ pub(super) fn actuators(model: &Model, lines: &mut Lines) {
             DriveMode::Passive | DriveMode::Kinematic => continue,
         };
         let limit = joint.effort_limit;
-        let range = match limit.is_finite() && limit > 0.0 {
-            true => format!(" forcerange=\"{}\"", numbers(&[-limit, limit])),
+        let range = match limit.is_finite() {
+            true => format!(" forcerange=\"{}\"", numbers(&[-limit.max(NO_EFFORT), limit.max(NO_EFFORT)])),
             false => String::new(),
         };
         inner.push(format!("{head}{range}/>"));

@@ -8,6 +8,7 @@
 
 mod mesh_files;
 mod mjcf;
+mod mjcf_inertia;
 mod mjcf_parts;
 mod urdf;
 mod xml_text;
@@ -38,10 +39,13 @@ pub struct Converted {
 }
 
 /// Converts a robot. Meshes are in `folder`, relative to the robot's file.
-pub fn convert(model: &Model, format: RobotFormat, folder: &str) -> Converted {
+///
+/// # Errors
+/// As URDF, a link whose only inertia about its joint is the joint's armature, which URDF lacks.
+pub fn convert(model: &Model, format: RobotFormat, folder: &str) -> Result<Converted, String> {
     match format {
         RobotFormat::Urdf => urdf::write(model, folder),
-        RobotFormat::Mjcf => mjcf::write(model, folder),
+        RobotFormat::Mjcf => Ok(mjcf::write(model, folder)),
     }
 }
 

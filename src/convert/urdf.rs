@@ -12,7 +12,9 @@ use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use super::mesh_files::MeshFiles;
 use super::xml_text::{Lines, direction, escape, number, numbers, origin};
 use super::{Converted, joint_warnings, list};
-use crate::robot::{Base, Coupling, Geometry, Joint, JointKind, Link, Model, NO_LIMIT, RigidInertia, Shape};
+use crate::robot::{
+    Base, Coupling, Geometry, Joint, JointKind, Link, Model, NO_LIMIT, RigidInertia, Shape, link_held_by_armature,
+};
 
 /// End of the name of a link between a joint and the link it moves.
 pub const AXIS_LINK: &str = "/axis";
@@ -26,12 +28,25 @@ pub fn description(model: &Model) -> String {
 }
 
 /// The text, with meshes and warnings.
-pub(super) fn write(model: &Model, folder: &str) -> Converted {
+///
+/// # Errors
+/// A link that only armatures of joints hold.
+pub(super) fn write(model: &Model, folder: &str) -> Result<Converted, String> {
+    if let Some(link) = link_held_by_armature(model) {
+        return Err(format!(
+            "link `{}` has no inertia but {}, and a URDF holds no armature: it would not load; write MJCF (.xml)",
+            model.links[link].name,
+            match link {
+                0 => "that of armatures of joints".to_owned(),
+                _ => format!("the armature of joint `{}`", model.joints[link - 1].name),
+            }
+        ));
+    }
     let mut writer = Writer::new(model, Some((MeshFiles::default(), folder)));
     writer.robot();
     writer.warn();
     let meshes = writer.meshes.map_or(Vec::new(), |(meshes, _)| meshes.files);
-    Converted { text: writer.lines.text, meshes, warnings: writer.warnings }
+    Ok(Converted { text: writer.lines.text, meshes, warnings: writer.warnings })
 }
 
 /// A text under construction.
@@ -219,8 +234,8 @@ impl<'a> Writer<'a> {
             lines.close("</inertial>");
         }
         for (tag, shapes) in [("visual", &link.visuals), ("collision", &link.collisions)] {
-            for shape in shapes {
-                self.shape(tag, shape, frame);
+            for shape in shapes.iter().flat_map(without_capsule) {
+                self.shape(tag, &shape, frame);
             }
         }
         self.lines.close("</link>");
@@ -230,7 +245,7 @@ impl<'a> Writer<'a> {
         let geometry = match &shape.geometry {
             Geometry::Box(size) => format!("<box size=\"{}\"/>", numbers(size.as_slice())),
             Geometry::Cylinder(r, l) => format!("<cylinder radius=\"{}\" length=\"{}\"/>", number(*r), number(*l)),
-            Geometry::Capsule(r, l) => format!("<capsule radius=\"{}\" length=\"{}\"/>", number(*r), number(*l)),
+            Geometry::Capsule(..) => return,
             Geometry::Sphere(r) => format!("<sphere radius=\"{}\"/>", number(*r)),
             Geometry::Mesh(points, triangles) => {
                 let Some((meshes, folder)) = &mut self.meshes else { return };
@@ -247,6 +262,22 @@ impl<'a> Writer<'a> {
         }
         lines.close(&format!("</{tag}>"));
     }
+}
+
+/// A capsule, which most readers of URDF do not know, as a cylinder and the balls at its ends; other
+/// shapes as they are.
+fn without_capsule(shape: &Shape) -> Vec<Shape> {
+    let Geometry::Capsule(radius, length) = shape.geometry else { return vec![shape.clone()] };
+    let ball = |z: f64| Shape {
+        pose: shape.pose * Isometry3::translation(0.0, 0.0, z),
+        geometry: Geometry::Sphere(radius),
+        rgba: shape.rgba,
+    };
+    if length <= 0.0 {
+        return vec![ball(0.0)];
+    }
+    let cylinder = Shape { geometry: Geometry::Cylinder(radius, length), ..shape.clone() };
+    vec![cylinder, ball(-0.5 * length), ball(0.5 * length)]
 }
 
 /// The joint's axis in the written frame.

@@ -53,6 +53,7 @@ pub use link_poses::link_poses;
 pub use load::{Robot, load, load_with, parse};
 pub use mjcf::{is_mjcf_name, read_world as read_mjcf_world};
 pub use model::*;
+pub use movable_links::link_held_by_armature;
 pub use moving_links::NO_LIMIT;
 pub use payload::add_box;
 pub use rigid_inertia::RigidInertia;

@@ -8,7 +8,7 @@
 
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
-use super::model::{Base, Joint, JointKind, Link};
+use super::model::{Base, Joint, JointKind, Link, Model};
 
 /// Inertia below this fraction of the inertia with all joints below locked is rounding.
 const TOLERANCE: f64 = 1e-10;
@@ -40,6 +40,13 @@ pub(super) fn without_inertia(links: &[Link], joints: &[Joint], base: Base) -> V
     }
     found.reverse();
     found
+}
+
+/// The deepest link that would be accelerated without limit if no joint had an armature.
+pub fn link_held_by_armature(model: &Model) -> Option<usize> {
+    let mut joints = model.joints.clone();
+    joints.iter_mut().for_each(|joint| joint.armature = 0.0);
+    without_inertia(&model.links, &joints, model.base).last().copied()
 }
 
 /// Spatial inertia about the frame's origin.

@@ -141,7 +141,7 @@ fn mjcf_has_meshes_sensors_couplings_loops_and_drives() {
         "<mesh name=\"mesh0\" file=\"m_meshes/mesh0.obj\"",
         "<freejoint name=\"base\"/>",
         "<joint joint1=\"k\" joint2=\"j\" polycoef=\"0.5 2 0 0 0\"/>",
-        "<connect site1=\"loop/close/0\" site2=\"loop/close/1\"/>",
+        "<connect name=\"close\" site1=\"loop/close/0\" site2=\"loop/close/1\"/>",
         "<site name=\"loop/close/1\" pos=\"1.5 0 0\"",
         "<gyro name=\"imu/i/gyro\" site=\"imu/i\"/>",
         "armature=\"0.1\"",
@@ -162,6 +162,165 @@ fn mjcf_has_meshes_sensors_couplings_loops_and_drives() {
         assert!(done.stderr.contains(lost), "{lost}: {}", done.stderr);
     }
     assert_eq!(load(&place.path("out/m.urdf")).unwrap().model.links[0].collisions.len(), 1);
+}
+
+/// Links without mass, point masses and rods, of which MuJoCo requires least values.
+#[test]
+fn masses_that_mujoco_refuses_are_raised_and_listed() {
+    let place = Place::new();
+    let inertia = |mass: &str, moments: [&str; 3]| {
+        let [xx, yy, zz] = moments;
+        format!(
+            "<inertial><mass value=\"{mass}\"/><inertia ixx=\"{xx}\" iyy=\"{yy}\" izz=\"{zz}\" ixy=\"0\" \
+             ixz=\"0\" iyz=\"0\"/></inertial>"
+        )
+    };
+    let link = |name: &str, inside: &str| format!("<link name=\"{name}\">{inside}</link>");
+    let joint = |child: &str, axis: &str, parent: &str| {
+        format!(
+            "<joint name=\"{child}_joint\" type=\"continuous\"><parent link=\"{parent}\"/><child link=\"{child}\"/>\
+             <axis xyz=\"{axis}\"/></joint>"
+        )
+    };
+    let shape = "<visual><geometry><sphere radius=\"0.1\"/></geometry></visual>";
+    let text = [
+        "<robot name=\"m\">".to_owned(),
+        link("base", ""),
+        link("cross", shape),
+        link("arm", &inertia("2", ["1", "1", "1"])),
+        link("leg", &inertia("1", ["0.1", "0.1", "1e-20"])),
+        link("plain", &inertia("1", ["0.1", "0.1", "0.1"])),
+        joint("cross", "0 0 1", "base"),
+        joint("arm", "1 0 0", "cross"),
+        joint("leg", "0 1 0", "base"),
+        joint("plain", "0 1 0", "base"),
+        "</robot>".to_owned(),
+    ];
+    place.write("m.urdf", text.concat());
+    let done = place.runner(&["convert", "m.urdf", "-o", "m.xml"]).exits(0);
+    for expected in [
+        "link `base` has mass 0 kg and least principal moment 0 kg m^2: MuJoCo requires 1e-15 of both",
+        "link `cross` has mass 0 kg",
+        "link `leg` has mass 1 kg and least principal moment 1e-20 kg m^2",
+    ] {
+        assert!(done.stderr.contains(expected), "{expected}: {}", done.stderr);
+    }
+    assert!(!done.stderr.contains("`plain`") && !done.stderr.contains("`arm`"), "{}", done.stderr);
+    let text = fs::read_to_string(place.path("m.xml")).unwrap();
+    let least = "mass=\"1e-15\" diaginertia=\"1e-15 1e-15 1e-15\"";
+    assert_eq!(text.matches(least).count(), 2, "{text}");
+    let models = ["m.urdf", "m.xml"].map(|name| load(&place.path(name)).unwrap().model);
+    let names: Vec<String> = models[0].joints.iter().map(|joint| joint.name.clone()).collect();
+    let error = difference(&mass(&models[0], &names), &mass(&models[1], &names));
+    assert!(error <= 1e-12, "{error}");
+}
+
+/// A sensor on a link without mass and shapes keeps that link a body.
+#[test]
+fn sensors_of_links_without_mass_have_a_site() {
+    let place = Place::new();
+    place.write(
+        "m.xml",
+        r#"<mujoco><worldbody><body name="a"><joint name="i" axis="0 0 1"/><site name="s"/><body name="b">
+        <joint name="j" axis="0 1 0" armature="0.1"/><geom size="0.1" pos="0.1 0 0"/></body></body></worldbody>
+        <sensor><gyro site="s"/></sensor></mujoco>"#,
+    );
+    place.runner(&["convert", "m.xml", "-o", "n.xml"]).exits(0);
+    let text = fs::read_to_string(place.path("n.xml")).unwrap();
+    assert!(text.contains("<body name=\"a\"") && text.contains("<site name=\"imu/s\""), "{text}");
+}
+
+#[test]
+fn loops_keep_their_names_and_pins_stay_pins() {
+    let place = Place::new();
+    let body = "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>";
+    let bodies = ["a", "b", "c"].map(|name| {
+        format!(
+            "<body name=\"{name}\">{body}<joint name=\"{name}\" axis=\"0 0 1\"/><site name=\"{name}\" pos=\"1 0 0\"/>\
+             </body>"
+        )
+    });
+    let text = format!(
+        "<mujoco><worldbody>{}</worldbody><equality><connect name=\"knee\" site1=\"a\" site2=\"b\"/>\
+         <weld name=\"grip\" site1=\"b\" site2=\"c\"/></equality></mujoco>",
+        bodies.concat()
+    );
+    place.write("m.xml", text);
+    let hip = "model = \"m.xml\"\n[[loop]]\nname = \"hip\"\ntype = \"pin\"\nlink = \"a\"\nto = \"c\"\n\
+               position = [0.5, 0, 0]\naxis = [0, 1, 1]\nto_axis = [0, 1, 1]\n";
+    place.write("m.toml", hip);
+    place.runner(&["convert", "m.toml", "-o", "n.xml"]).exits(0);
+    let models = ["m.toml", "n.xml"].map(|name| load(&place.path(name)).unwrap().model);
+    let [before, after] = models.map(|model| model.loops.into_iter().map(|l| (l.name, l.kind, l.pose, l.other_pose)));
+    for (a, b) in before.zip(after.collect::<Vec<_>>()) {
+        assert_eq!((&a.0, a.1), (&b.0, b.1));
+        for (a, b) in [(a.2, b.2), (a.3, b.3)] {
+            assert!((a.to_homogeneous() - b.to_homogeneous()).amax() < 1e-15, "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn an_effort_limit_of_0_stays_one() {
+    let place = Place::new();
+    let urdf = |limit: &str| {
+        format!(
+            "<robot name=\"m\"><link name=\"world\"/><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" \
+             iyy=\"1\" izz=\"1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial></link><joint name=\"j\" type=\"continuous\"><parent \
+             link=\"world\"/><child link=\"a\"/><axis xyz=\"0 0 1\"/><limit {limit}/></joint></robot>"
+        )
+    };
+    place.write("m.urdf", urdf("effort=\"0\" velocity=\"2\""));
+    place.write("m.toml", "model = \"m.urdf\"\n[joint.j]\nkp = 20\nkd = 2\n");
+    let done = place.runner(&["convert", "m.toml", "-o", "m.xml"]).exits(0);
+    assert!(done.stderr.contains("the effort limit 0 of joint `j` is written as 1e-15"), "{}", done.stderr);
+    let text = fs::read_to_string(place.path("m.xml")).unwrap();
+    let range = "actuatorfrcrange=\"-1e-15 1e-15\"";
+    assert!(text.contains(range) && text.contains("forcerange=\"-1e-15 1e-15\""), "{text}");
+    assert_eq!(load(&place.path("m.xml")).unwrap().model.joints[0].effort_limit, 1e-15);
+    place.runner(&["convert", "m.toml", "-o", "n.urdf"]).exits(0);
+    assert_eq!(load(&place.path("n.urdf")).unwrap().model.joints[0].effort_limit, 0.0);
+}
+
+#[test]
+fn a_urdf_that_would_lack_the_armature_it_needs_is_refused() {
+    let place = Place::new();
+    let text = |inside: &str| {
+        format!(
+            "<mujoco><worldbody><body name=\"a\"><joint name=\"i\" axis=\"0 0 1\"/><geom size=\"0.1\"/>\
+             <body name=\"b\"><joint name=\"rotor\" axis=\"0 1 0\" armature=\"0.1\"/>{inside}</body></body></worldbody></mujoco>"
+        )
+    };
+    place.write("m.xml", text(""));
+    let done = place.runner(&["convert", "m.xml", "-o", "m.urdf"]).exits(2);
+    let expected = "link `b` has no inertia but the armature of joint `rotor`, and a URDF holds no armature";
+    assert!(done.stderr.contains(expected) && !place.path("m.urdf").exists(), "{}", done.stderr);
+    place.runner(&["convert", "m.xml", "-o", "n.xml"]).exits(0);
+    assert_eq!(load(&place.path("n.xml")).unwrap().model.joints[1].armature, 0.1);
+    place.write("m.xml", text("<geom size=\"0.1\"/>"));
+    place.runner(&["convert", "m.xml", "-o", "m.urdf"]).exits(0);
+}
+
+/// Capsules, which URDF lacks, are written as cylinders with balls, and read back as capsules.
+#[test]
+fn capsules_of_a_urdf_are_cylinders_with_balls() {
+    let place = Place::new();
+    let text = "<mujoco><worldbody><body name=\"a\"><freejoint/><geom type=\"capsule\" size=\"0.1 0.2\" pos=\"1 2 3\" \
+                euler=\"10 20 30\" rgba=\"1 0 0 1\"/><geom size=\"0.1\" group=\"3\"/></body></worldbody></mujoco>";
+    place.write("m.xml", text);
+    place.runner(&["convert", "m.xml", "-o", "m.urdf"]).exits(0);
+    let text = fs::read_to_string(place.path("m.urdf")).unwrap();
+    assert!(!text.contains("capsule"), "{text}");
+    assert_eq!((text.matches("<sphere").count(), text.matches("<cylinder").count()), (5, 2), "{text}");
+    let models = ["m.xml", "m.urdf"].map(|name| load(&place.path(name)).unwrap().model);
+    let [before, after] = models.map(|model| [model.links[0].visuals.clone(), model.links[0].collisions.clone()]);
+    for (a, b) in before.iter().zip(&after) {
+        assert_eq!(a.len(), b.len());
+        for (a, b) in a.iter().zip(b) {
+            assert_eq!(a.geometry, b.geometry);
+            assert!((a.pose.to_homogeneous() - b.pose.to_homogeneous()).amax() < 1e-14);
+        }
+    }
 }
 
 #[test]

@@ -47,7 +47,7 @@ impl Convert {
             Exit::Invalid
         })?;
         let folder = format!("{stem}_meshes");
-        let converted = convert::convert(&robot.model, format, &folder);
+        let converted = convert::convert(&robot.model, format, &folder).map_err(refuse)?;
         let inside = self.output.parent().unwrap_or(Path::new("")).join(&folder);
         let meshes = converted.meshes.iter().map(|mesh| (inside.join(&mesh.name), &mesh.text));
         let files: Vec<(PathBuf, &String)> = meshes.chain([(self.output.clone(), &converted.text)]).collect();

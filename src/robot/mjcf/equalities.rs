@@ -4,7 +4,7 @@
 //! reference positions ([MuJoCo], XML reference, `equality/joint`); the model has the coefficients
 //! of the powers of x.
 
-use nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Quaternion, Unit, UnitQuaternion, Vector3};
 
 use super::classes::Classes;
 use super::ignored::Ignored;
@@ -14,7 +14,13 @@ use super::view::View;
 use crate::robot::closure::{Coupling, LoopClosure, LoopKind};
 use crate::robot::coupled_joints;
 use crate::robot::model::{Base, JointId, LinkId};
+use crate::robot::moving_links::z_to;
 use crate::robot::robot_error::RobotError;
+
+/// Least distance of the two points of a pin, m.
+const LEAST_PIN: f64 = 1e-6;
+/// Deviation of lengths that is rounding of the file's digits, relative.
+const ROUNDING: f64 = 1e-9;
 
 /// What holds between links.
 #[derive(Default)]
@@ -51,6 +57,11 @@ pub(super) fn read(
                 let number = found.loops.len();
                 let Some(mut closure) = closure(context, &poses, &view, parts, base, ignored)? else { continue };
                 closure.name = document.text(id, "name").map_or_else(|| format!("{tag}{number}"), str::to_owned);
+                let pins = found.loops.iter_mut().find_map(|first| pin(first, &closure).map(|pin| (first, pin)));
+                if let Some((first, pin)) = pins {
+                    *first = pin;
+                    continue;
+                }
                 if found.loops.iter().any(|other| other.name == closure.name) {
                     let fault = document.fault(id, format!("there are two loops named `{}`", closure.name));
                     return Err(fault.expected("a unique name").invalid());
@@ -117,6 +128,27 @@ fn shifted(a: [f64; 5], x0: f64, y0: f64) -> [f64; 5] {
     }
     c[0] += y0;
     c
+}
+
+/// The pin that two balls between the same links are, about the line through their points.
+fn pin(first: &LoopClosure, second: &LoopClosure) -> Option<LoopClosure> {
+    let is_same = (first.link, first.other) == (second.link, second.other);
+    if !is_same || first.kind != LoopKind::Ball || second.kind != LoopKind::Ball {
+        return None;
+    }
+    let along = |from: &Isometry3<f64>, to: &Isometry3<f64>| from.inverse() * Point3::from(to.translation.vector);
+    let ends = [along(&first.pose, &second.pose), along(&first.other_pose, &second.other_pose)].map(|p| p.coords);
+    let length = ends[0].norm();
+    if length < LEAST_PIN || (length - ends[1].norm()).abs() > ROUNDING * length {
+        return None;
+    }
+    let is_along_z = |along: &Vector3<f64>| along.z > 0.0 && along.xy().norm() <= ROUNDING * length;
+    let turned = |pose: &Isometry3<f64>, along: &Vector3<f64>| match is_along_z(along) {
+        true => *pose,
+        false => pose * z_to(&Unit::new_normalize(*along)),
+    };
+    let (pose, other_pose) = (turned(&first.pose, &ends[0]), turned(&first.other_pose, &ends[1]));
+    Some(LoopClosure { kind: LoopKind::Pin, pose, other_pose, ..first.clone() })
 }
 
 /// A frame on a body: its index and the pose in the body's frame.
