@@ -266,10 +266,53 @@ fn what_an_mjcf_world_cannot_give_is_listed_with_its_line() {
         (4, "its heights are not read"),
         (5, "only a level plane can be the floor"),
         (6, "although it is a mocap body"),
-        (10, "constraints (<equality>) between different models"),
     ] {
         assert!(found.iter().any(|(l, m)| *l == line && m.contains(text)), "{line} {text}: {found:?}");
     }
     let wrong = mjcf_run("[world]\nfile = \"w.xml\"\n", &text.replace("euler=\"5 0 0\"", "euler=\"5 0\"")).unwrap_err();
     assert!(wrong.to_string().contains("w.xml:5:"), "{wrong}");
+}
+
+#[test]
+fn elements_without_effect_in_an_mjcf_world_are_listed_with_their_line() {
+    let text = "<mujoco>\n<asset>\n\
+        <texture name=\"t\" type=\"skybox\" builtin=\"flat\" width=\"4\" height=\"4\"/></asset>\n<worldbody>\n<light pos=\"0 0 3\"/><light/>\n<camera/>\n<geom name=\"g\" size=\"0.1\" friction=\"0.3\"/>\n\
+        <body name=\"a\" pos=\"0 0 1\"><freejoint/><geom name=\"ga\" size=\"0.1\"/><site name=\"s\"/></body>\n\
+        <body name=\"b\" pos=\"0 0 2\"><freejoint/><geom name=\"gb\" size=\"0.1\"/></body>\n</worldbody>\n\
+        <contact>\n<pair geom1=\"ga\" geom2=\"gb\"/>\n<exclude body1=\"a\" body2=\"b\"/></contact>\n\
+        <sensor>\n<gyro site=\"s\"/>\n<gyro site=\"s\"/></sensor>\n<tendon/>\n\
+        <keyframe>\n<key name=\"k\"/></keyframe>\n<equality>\n<weld body1=\"a\" body2=\"b\"/>\n<connect body1=\"a\" anchor=\"0 0 0\"/></equality></mujoco>";
+    let run = mjcf_run("[world]\nfile = \"w.xml\"\n", text).unwrap();
+    let found: Vec<_> = run.warnings.0.iter().map(|w| (w.position.unwrap().line, w.message.as_str())).collect();
+    for (line, text) in [
+        (3, "<texture> is ignored"),
+        (5, "<light> is ignored (2 times)"),
+        (6, "<camera> is ignored"),
+        (12, "<pair> of <contact> is ignored"),
+        (13, "<exclude> of <contact> is ignored"),
+        (15, "sensors <gyro> are ignored (2 times)"),
+        (17, "<tendon> is ignored"),
+        (19, "of <key> only the positions of joints count"),
+        (21, "<weld> between different models of a world is ignored"),
+    ] {
+        assert!(found.iter().any(|(l, m)| *l == line && m.contains(text)), "{line} {text}: {found:?}");
+    }
+    assert!(!found.iter().any(|(line, _)| [7, 22].contains(line)), "{found:?}");
+    // A body that a constraint holds is a model, whose reader knows the constraint.
+    let models: Vec<_> = run.scenario.object.iter().map(|object| object.model()).collect();
+    assert_eq!(models, [Some("w.xml#g::world::g"), Some("w.xml#a"), None]);
+}
+
+/// Friction and gravity of the file count for a world, and notices of its parts say so.
+#[test]
+fn notices_of_parts_of_an_mjcf_world_are_true() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenario/room.xml");
+    let messages = |name: &str| {
+        let robot = stiction::robot::load(Path::new(&format!("{}{name}", path.display()))).unwrap();
+        robot.notices.into_iter().map(|notice| notice.message).collect::<Vec<_>>().join("\n")
+    };
+    let part = messages("#frame");
+    assert!(part.contains("attribute `friction` of <geom> counts only for a `[world]`"), "{part}");
+    assert!(part.contains("<option> is ignored, except for gravity, which counts for a `[world]`"), "{part}");
+    assert!(!part.contains("`friction` of <geom> is ignored"), "{part}");
 }

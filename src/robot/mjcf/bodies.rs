@@ -159,7 +159,7 @@ impl<'a> Bodies<'a> {
                 ignored.warning(id, format!("<{tag}> is left out: deformable bodies are not available"));
             }
             tag @ "plugin" => ignored.warning(id, format!("<{tag}> of a body is ignored")),
-            // Cameras, lights and unknown elements, which are reported elsewhere.
+            // Cameras, lights and unknown elements, which the grammar reports.
             _ => {}
         }
         Ok(())

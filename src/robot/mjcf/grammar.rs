@@ -3,7 +3,7 @@
 
 use super::classes::ACTUATORS;
 use super::document::{Document, Id, ROOT};
-use super::ignored::Ignored;
+use super::ignored::{Ignored, Role};
 use crate::robot::robot_error::RobotError;
 use crate::text::suggest::nearest;
 
@@ -155,8 +155,9 @@ pub(super) fn check(document: &Document, ignored: &mut Ignored) -> Result<(), Ro
     attributes(document, ROOT, &["model"], ignored)?;
     for &section in document.children(ROOT) {
         let tag = document.tag(section);
-        if tag == "option" && ignored.is_world {
-            ignored.note(section, "<option> is ignored, except for gravity");
+        if tag == "option" && ignored.role != Role::Robot {
+            let of_world = if ignored.role == Role::Part { ", which counts for a `[world]`" } else { "" };
+            ignored.note(section, format!("<option> is ignored, except for gravity{of_world}"));
             continue;
         }
         if let Some((_, reason)) = IGNORED_SECTIONS.iter().find(|(name, _)| *name == tag) {
@@ -172,6 +173,9 @@ pub(super) fn check(document: &Document, ignored: &mut Ignored) -> Result<(), Ro
             "asset" | "actuator" | "equality" | "contact" | "keyframe" => {
                 for &child in document.children(section) {
                     by_rule(document, child, tag, document.tag(child), ignored)?;
+                    if let ("asset", kind @ ("texture" | "skin")) = (tag, document.tag(child)) {
+                        ignored.note(child, format!("<{kind}> is ignored"));
+                    }
                 }
             }
             "sensor" => {}
@@ -187,8 +191,9 @@ fn descend(document: &Document, top: Id, ignored: &mut Ignored) -> Result<(), Ro
     while let Some(id) = stack.pop() {
         for &child in document.children(id) {
             match document.tag(child) {
+                tag @ ("camera" | "light") => ignored.note(child, format!("<{tag}> is ignored")),
                 // Refused or ignored where bodies are read.
-                "camera" | "light" | "replicate" | "attach" | "composite" | "flexcomp" | "plugin" => {}
+                "replicate" | "attach" | "composite" | "flexcomp" | "plugin" => {}
                 tag @ ("body" | "frame") => {
                     by_rule(document, child, "worldbody", tag, ignored)?;
                     stack.push(child);
@@ -240,11 +245,14 @@ fn by_rule(document: &Document, id: Id, section: &str, tag: &str, ignored: &mut 
     let words = |list: &'static str| list.split_whitespace();
     for name in words(rule.ignored) {
         if let Some(value) = document.text(id, name) {
-            let note = format!("attribute `{name}` of <{tag}> is ignored");
+            let is_friction = (tag, name) == ("geom", "friction");
+            let note = match (is_friction, ignored.role) {
+                (true, Role::World) => continue,
+                (true, Role::Part) => format!("attribute `{name}` of <{tag}> counts only for a `[world]`"),
+                _ => format!("attribute `{name}` of <{tag}> is ignored"),
+            };
             // The default of each is off.
-            let is_off = matches!(value.trim(), "0" | "false");
-            let is_read = ignored.is_world && (tag, name) == ("geom", "friction");
-            if !(is_off || is_read) {
+            if !matches!(value.trim(), "0" | "false") {
                 ignored.note(id, note);
             }
         }

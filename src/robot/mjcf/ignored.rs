@@ -13,19 +13,30 @@ struct Kind {
     is_warning: bool,
 }
 
+/// What a file is read as.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub(super) enum Role {
+    /// The robot of a file.
+    #[default]
+    Robot,
+    /// A part of a file selected by name: a robot, or an object of a world.
+    Part,
+    /// A world, which gives gravity and friction.
+    World,
+}
+
 /// Notices by kind, in order of the first of each.
 #[derive(Default)]
 pub(super) struct Ignored {
-    /// True for a world, which gives gravity and friction.
-    pub is_world: bool,
+    pub role: Role,
     kinds: Vec<Kind>,
     index: HashMap<String, usize>,
 }
 
 impl Ignored {
-    /// For a world.
-    pub fn of_world() -> Self {
-        Self { is_world: true, ..Self::default() }
+    /// For a file that is read as `role`.
+    pub fn of(role: Role) -> Self {
+        Self { role, ..Self::default() }
     }
 
     /// Counts a note: it has no effect on a simulation, or an assumption.

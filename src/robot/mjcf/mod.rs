@@ -27,6 +27,7 @@ mod primitives;
 mod robot_tree;
 mod selection;
 mod sensors;
+mod unused_sections;
 mod view;
 mod world;
 
@@ -40,7 +41,7 @@ use super::urdf::InertiaPolicy;
 use crate::sdf;
 use crate::text::source::Source;
 use document::{Document, ROOT};
-use ignored::Ignored;
+use ignored::{Ignored, Role};
 use moving_tree::Context;
 
 /// The robot as the file describes it.
@@ -63,7 +64,7 @@ pub(super) fn load(
     notices: &mut Notices,
 ) -> Result<Loaded, RobotError> {
     let document = Document::read(source)?;
-    let mut ignored = Ignored::default();
+    let mut ignored = Ignored::of(if name.is_some() { Role::Part } else { Role::Robot });
     let loaded = read(&document, name, base, policy, &mut ignored)?;
     ignored.report(&document, notices);
     Ok(loaded)

@@ -9,6 +9,7 @@
 //!
 //! Geoms without a name are called `geomN`, N their number in the file.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use nalgebra::{Isometry3, Vector3};
@@ -18,10 +19,11 @@ use super::classes::Classes;
 use super::compiler::Compiler;
 use super::document::{Document, Id};
 use super::geoms::{Geom, Geoms};
-use super::ignored::Ignored;
+use super::ignored::{Ignored, Role};
 use super::joints::Kind;
 use super::meshes::Meshes;
 use super::selection::geom_names;
+use super::unused_sections;
 use super::view::View;
 use super::{grammar, inertials, robot_tree};
 use crate::robot::model::Geometry as Solid;
@@ -36,7 +38,7 @@ use crate::text::source::Source;
 /// As for a robot, but several mechanisms or none are no error.
 pub(in crate::robot) fn read(source: &Source, skip: &dyn Fn(&str) -> bool) -> Result<(World, Vec<Remark>), RobotError> {
     let document = Document::read(source)?;
-    let mut ignored = Ignored::of_world();
+    let mut ignored = Ignored::of(Role::World);
     let world = world(&document, skip, &mut ignored)?;
     let remarks = ignored.into_list().map(|(id, is_warning, message)| (at(&document, id), is_warning, message));
     Ok((world, remarks.collect()))
@@ -73,11 +75,9 @@ fn world(document: &Document, skip: &dyn Fn(&str) -> bool, ignored: &mut Ignored
     let meshes = Meshes::new(&classes, &document.assets("mesh"), &compiler, &folder)?;
     let geoms = Geoms::new(&classes, &document.assets("material"), meshes)?;
     let names = geom_names(document, &bodies);
-    let mut reader = Reader { document, compiler: &compiler, bodies: &bodies, geoms, names, ignored };
+    let constrained = unused_sections::report(document, &bodies, ignored);
+    let mut reader = Reader { document, compiler: &compiler, bodies: &bodies, geoms, names, constrained, ignored };
     let models = reader.models(&kinds, skip)?;
-    if let Some(&id) = document.section("equality").flat_map(|section| document.children(section)).next() {
-        ignored.note(id, "constraints (<equality>) between different models of a world are ignored");
-    }
     let frames = Vec::new();
     Ok(World { at: at(document, bodies.bodies[0].element), gravity: gravity(document)?, models, frames })
 }
@@ -98,6 +98,8 @@ struct Reader<'a, 'd> {
     bodies: &'a Bodies<'d>,
     geoms: Geoms<'a>,
     names: Vec<Vec<String>>,
+    /// Bodies under the world that a constraint holds.
+    constrained: HashSet<usize>,
     ignored: &'a mut Ignored,
 }
 
@@ -179,7 +181,8 @@ impl Reader<'_, '_> {
                 link.collisions.extend(shape);
                 read.push(geom);
             }
-            if members.len() == 1 && kinds[top] == [Kind::Free] {
+            // A constraint is part of a model only.
+            if members.len() == 1 && kinds[top] == [Kind::Free] && !self.constrained.contains(&top) {
                 link.inertial = self.inertial(body, &read);
                 if link.inertial.is_some() {
                     super::joints::warn_about_free_joint(&body.joints[0], self.ignored)?;
