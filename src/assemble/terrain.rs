@@ -83,18 +83,12 @@ fn height_field(
     field: &HeightFieldTerrain,
     errors: &mut Vec<Diagnostic>,
 ) -> Option<HeightGrid> {
-    let input = run.input(&format!("{path}.file"))?;
-    let name = input.path.display().to_string();
-    let heights = match read_heights(input, field) {
-        Ok(heights) => heights,
-        Err((Some((text, span)), message)) => {
-            errors.push(Diagnostic::in_text(&name, text, span, message, None));
-            return None;
+    let heights = match &field.heights {
+        Some(rows) => {
+            let read = Heights::from_rows(rows, field.scale.unwrap_or(1.0), field.offset.unwrap_or(0.0));
+            read.map_err(|error| errors.push(run.error_at(&format!("{path}.heights"), error.message, None))).ok()?
         }
-        Err((None, message)) => {
-            errors.push(file_error(run, path, input, message));
-            return None;
-        }
+        None => heights_of_file(run, path, field, errors)?,
     };
     let intervals = [heights.columns, heights.rows].map(|points| (points - 1) as f64);
     let spacing = match (field.size, field.spacing) {
@@ -110,6 +104,23 @@ fn height_field(
         return None;
     }
     Some(HeightGrid::new(entry, heights, spacing))
+}
+
+/// The heights of the entry's file; `None` after an error.
+fn heights_of_file(run: &Run, path: &str, field: &HeightFieldTerrain, errors: &mut Vec<Diagnostic>) -> Option<Heights> {
+    let input = run.input(&format!("{path}.file"))?;
+    match read_heights(input, field) {
+        Ok(heights) => Some(heights),
+        Err((Some((text, span)), message)) => {
+            let name = input.path.display().to_string();
+            errors.push(Diagnostic::in_text(&name, text, span, message, None));
+            None
+        }
+        Err((None, message)) => {
+            errors.push(file_error(run, path, input, message));
+            None
+        }
+    }
 }
 
 /// The text concerned with the bytes in it, and the message of an error.

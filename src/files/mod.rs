@@ -1,7 +1,7 @@
 //! Reading and writing files safely: bounded reads of regular files, writes that appear whole or
-//! not at all, and paths that stay inside a folder of results.
+//! not at all, paths that stay inside a folder of results, and grey values of pictures.
 //!
-//! Imports: nothing of this crate. Used by: `sdf`, `robot`, `scenario`, `log`, `results`, `report`,
+//! Imports: nothing of this crate. Used by: `sdf`, `robot`, `terrain`, `scenario`, `log`, `results`, `report`,
 //! `export`, `remote`, `batch`, `replay`, `view`, `submit`, `console`, `cli`.
 
 pub mod atomic;
@@ -13,6 +13,7 @@ pub(crate) mod json;
 mod key_levels;
 pub mod names;
 mod panic_capture;
+pub(crate) mod png;
 mod record_error;
 
 pub use atomic::{OutputKind, check_replaceable, remove_partial};

@@ -257,8 +257,24 @@ pub enum Geometry {
     Hull(Option<(PathBuf, f64)>),
     /// A half-space below its normal.
     Plane(Vector3<f64>),
-    /// The element's name of another shape, such as `heightmap`.
+    /// Heights that the file's reader has.
+    Heights(Heights),
+    /// Heights as a picture: its URI, size, and position.
+    Heightmap(String, Vector3<f64>, Vector3<f64>),
+    /// The element's name of another shape, such as `polyline`.
     Other(String),
+}
+
+/// Greatest number of heights of one shape: they become part of a scenario's text.
+pub const MAX_HEIGHTS: usize = 250_000;
+
+/// A grid of heights about its middle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Heights {
+    /// Heights, m, by rows along x; the first row is at the least y.
+    pub rows: Vec<Vec<f64>>,
+    /// Distances of the outer columns and of the outer rows, m.
+    pub size: [f64; 2],
 }
 
 /// A sensor.

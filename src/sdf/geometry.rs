@@ -172,6 +172,14 @@ fn geometry(element: &Element) -> Result<Geometry, SdfError> {
             };
             Geometry::Plane(normal)
         }
+        "heightmap" => {
+            let uri = shape.required("uri")?.text().to_owned();
+            let numbers = |tag: &'static str, default: f64| match shape.child(tag)? {
+                Some(child) => Ok(Vector3::from(child.numbers::<3>()?)),
+                None => Ok(Vector3::repeat(default)),
+            };
+            Geometry::Heightmap(uri, numbers("size", 1.0)?, numbers("pos", 0.0)?)
+        }
         other => Geometry::Other(other.to_owned()),
     })
 }

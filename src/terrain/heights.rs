@@ -50,6 +50,21 @@ impl Heights {
         csv_heights::read(text)?.map_values(|v| scale * v + offset)
     }
 
+    /// Takes rows of numbers v; heights are `scale` v + `offset`.
+    ///
+    /// # Errors
+    /// As in [`Heights::from_csv`].
+    pub fn from_rows(rows: &[Vec<f64>], scale: f64, offset: f64) -> Result<Self, HeightsError> {
+        let columns = rows.first().map_or(0, Vec::len);
+        if let Some((r, row)) = rows.iter().enumerate().find(|(_, row)| row.len() != columns) {
+            let message = format!("row {} has {} heights, the first one has {columns}", r + 1, row.len());
+            return Err(HeightsError::new(message));
+        }
+        check_size(rows.len(), columns)?;
+        let heights = Heights { rows: rows.len(), columns, values: rows.concat() };
+        heights.map_values(|v| scale * v + offset)
+    }
+
     /// Reads a 16-bit greyscale PNG; black is at `low` and white at `high`, m.
     ///
     /// # Errors
@@ -117,5 +132,9 @@ mod tests {
         assert_eq!(error.message, "the height 2000000 m in row 2, column 1 is beyond 1000000 m");
         let error = Heights::from_csv("0 1\n2 3", 1e308, 1e308).unwrap_err();
         assert!(error.message.contains("in row 1, column 1"), "{error}");
+        let error = |rows: &[Vec<f64>]| Heights::from_rows(rows, 1.0, 0.0).unwrap_err().message;
+        assert!(error(&[vec![0.0, 1.0], vec![f64::NAN, 1.0]]).contains("in row 2, column 1"));
+        assert_eq!(error(&[vec![0.0, 1.0], vec![0.0]]), "row 2 has 1 heights, the first one has 2");
+        assert!(error(&[vec![0.0], vec![0.0]]).starts_with("the grid has 2 x 1 heights"));
     }
 }

@@ -11,7 +11,7 @@
 //! Faces between two pieces of one entry, undersides, and faces at or below the floor cannot be
 //! touched: the pieces overlap or end there, the body does not.
 //!
-//! Imports: `geometry`. Used by: `sim`, `log`, `assemble`, `batch`.
+//! Imports: `geometry`, `files`. Used by: `sim`, `log`, `assemble`, `batch`.
 
 mod bounds_tree;
 mod csv_heights;

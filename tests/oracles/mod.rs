@@ -6,6 +6,7 @@ mod contact;
 mod context;
 mod dynamics;
 mod dynamics_oracle;
+mod height_fields;
 mod loops;
 mod mjcf;
 mod sdf;

@@ -334,6 +334,12 @@ const BELOW_ROBOT: &[Broken] = &[
         "",
     ),
     Broken(
+        "[[terrain]]\ntype = \"heightfield\"\nspacing = 1",
+        (3, 1),
+        "`terrain.0` needs either `file` or `heights`",
+        "",
+    ),
+    Broken(
         "[[terrain]]\ntype = \"heightfield\"\nfile = \"h.csv\"",
         (3, 1),
         "`terrain.0` needs either `size` or `spacing`",

@@ -78,10 +78,11 @@ fn all_types_of_the_full_scenario_become_pieces() {
     let inputs: Vec<_> = run.inputs.iter().map(|input| input.key.as_str()).filter(|k| k.contains("terrain")).collect();
     assert_eq!(inputs, ["terrain.3.file", "terrain.4.file", "terrain.5.file", "terrain.6.file"]);
     // The picture has the heights of the table, and 0.1 m are not its distances.
-    let [table, picture] = terrain.grids() else { panic!("two height fields") };
+    let [table, picture, given] = terrain.grids() else { panic!("three height fields") };
     for (a, b) in table.heights().values.iter().zip(&picture.heights().values) {
         assert!((a - b).abs() < 1e-6, "{a} is not {b}");
     }
+    assert_eq!(given.heights().values, [0.0, 0.02, 0.01, 0.0]);
     assert_eq!(table.spacing(), [0.5, 1.0 / 3.0]);
     assert_eq!(picture.spacing(), [0.1, 0.1]);
     // Row 2, column 2 of the table has 5 cm, less 2 cm.
@@ -113,6 +114,19 @@ fn pieces_of_a_tilted_field_are_found_below_a_point_of_its_surface() {
         assert!(containing(at(surface + 1e-9)).is_empty());
         assert!(matches!(containing(at(surface - 1e-9))[..], [PieceRef::Prism { grid: 0, .. }]));
     }
+}
+
+#[test]
+fn heights_may_be_written_in_place_of_a_file() {
+    let text = |heights: &str| {
+        format!("[[terrain]]\ntype = \"heightfield\"\n{heights}\nspacing = 0.5\nscale = 2\noffset = 0.1\n")
+    };
+    let table = "heights = [[0, 0.1, 0], [0.2, 0.3, 0.4]]";
+    let (_folder, written) = run(&text(table), &[]);
+    let (_other, of_file) = run(&text("file = \"h.csv\""), &[("h.csv", b"0,0.1,0\n0.2,0.3,0.4\n")]);
+    let [written, of_file] = [written, of_file].map(|run| terrain(&run).0);
+    assert_eq!(written.grids(), of_file.grids());
+    refused(&text("heights = [[0, 1], [0]]"), &[], Some(("s.toml", 4, 11)), "row 2 has 1 heights, the first one has 2");
 }
 
 #[test]

@@ -111,7 +111,7 @@ fn what_is_left_out_is_listed_with_its_line() {
     let found: Vec<_> = run.warnings.0.iter().map(|w| (w.position.unwrap().line, w.message.as_str())).collect();
     for (line, text) in [
         (2, "only a level plane can be the floor"),
-        (6, "its heights are not read"),
+        (6, "there is no "),
         (7, "<light> of <world> is ignored"),
         (10, "mu2 = 0.5 is ignored"),
     ] {
@@ -160,6 +160,31 @@ fn a_mesh_of_a_world_is_an_input_of_the_run() {
     let run = run_in(folder.path(), WORLD, &text).unwrap();
     assert!(matches!(&run.scenario.terrain[0], TerrainSpec::Mesh(m) if m.file == "meshes/t.obj" && m.scale == 0.5));
     assert_eq!(run.input("terrain.0.file").unwrap().bytes.as_ref(), mesh.as_bytes());
+}
+
+/// The greatest value of the picture has the height of `size`, its first line the greatest y.
+#[test]
+fn a_heightmap_of_a_world_is_a_height_field() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    std::fs::copy(here.join("tests/scenario/height_fields/red.png"), folder.path().join("h.png")).unwrap();
+    let map = "<heightmap><uri>h.png</uri><size>5 2 0.5</size><pos>0 0 -0.1</pos></heightmap>";
+    let text = world(&STEP.replace("<box><size>0.4 0.4 0.1</size></box>", map));
+    let run = run_in(folder.path(), WORLD, &text).unwrap();
+    assert!(run.warnings.0.is_empty(), "{}", run.warnings);
+    let [TerrainSpec::HeightField(field)] = &run.scenario.terrain[..] else { panic!("{:?}", run.scenario.terrain) };
+    let rows = field.heights.as_ref().unwrap();
+    assert_eq!((rows.len(), rows[0].len(), field.size), (3, 6, Some([5.0, 2.0])));
+    assert_eq!((field.position[0], field.rpy), (1.0, [0.0, 0.0, 0.5]));
+    assert!((field.position[2] + 0.05).abs() < 1e-15, "{:?}", field.position);
+    // Red values of the picture, from its last line to its first.
+    let corners = [rows[0][0], rows[0][5], rows[2][0], rows[2][5]].map(|height| height * 253.0 / 0.5);
+    for (found, red) in corners.iter().zip([210.0, 51.0, 209.0, 202.0]) {
+        assert!((found - red).abs() < 1e-12, "{corners:?}");
+    }
+    // Without a size above 0 it is left out.
+    let run = run_in(folder.path(), WORLD, &text.replace("5 2 0.5", "5 2 -0.5")).unwrap();
+    assert!(run.warnings.0[0].message.contains("is not above 0"), "{}", run.warnings);
 }
 
 #[test]
@@ -256,14 +281,14 @@ fn parts_of_an_mjcf_file_are_robots_by_name() {
 
 #[test]
 fn what_an_mjcf_world_cannot_give_is_listed_with_its_line() {
-    let text = "<mujoco>\n<asset><hfield name=\"h\" nrow=\"2\" ncol=\"2\" size=\"1 1 1 1\"/></asset>\n<worldbody>\n\
+    let text = "<mujoco>\n<asset><hfield name=\"h\" file=\"none.png\" size=\"1 1 1 1\"/></asset>\n<worldbody>\n\
         <geom type=\"hfield\" hfield=\"h\"/>\n<geom type=\"plane\" size=\"1 1 1\" euler=\"5 0 0\"/>\n\
         <body mocap=\"true\">\n<geom size=\"1\"/></body>\n</worldbody>\n\
         <equality>\n<weld body1=\"body1\"/></equality></mujoco>";
     let run = mjcf_run("[world]\nfile = \"w.xml\"\n", text).unwrap();
     let found: Vec<_> = run.warnings.0.iter().map(|w| (w.position.unwrap().line, w.message.as_str())).collect();
     for (line, text) in [
-        (4, "its heights are not read"),
+        (4, "a height field is left out: cannot read"),
         (5, "only a level plane can be the floor"),
         (6, "although it is a mocap body"),
     ] {

@@ -81,6 +81,13 @@ const RULES: &[Rule] = &[
     },
     Rule {
         section: "asset",
+        tag: "hfield",
+        read: "elevation file name ncol nrow size",
+        silent: "content_type",
+        ignored: "",
+    },
+    Rule {
+        section: "asset",
         tag: "material",
         read: "class name rgba",
         silent: "emission metallic reflectance roughness shininess specular texrepeat texture texuniform",

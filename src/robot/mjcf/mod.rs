@@ -15,6 +15,7 @@ mod document;
 mod equalities;
 mod geoms;
 mod grammar;
+mod height_fields;
 mod ignored;
 mod inertials;
 mod joints;

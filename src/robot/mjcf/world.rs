@@ -19,6 +19,7 @@ use super::classes::Classes;
 use super::compiler::Compiler;
 use super::document::{Document, Id};
 use super::geoms::{Geom, Geoms};
+use super::height_fields::HeightFields;
 use super::ignored::{Ignored, Role};
 use super::joints::Kind;
 use super::meshes::Meshes;
@@ -74,9 +75,11 @@ fn world(document: &Document, skip: &dyn Fn(&str) -> bool, ignored: &mut Ignored
     let folder = document.sources[0].path().parent().unwrap_or(Path::new("")).to_owned();
     let meshes = Meshes::new(&classes, &document.assets("mesh"), &compiler, &folder)?;
     let geoms = Geoms::new(&classes, &document.assets("material"), meshes)?;
+    let height_fields = HeightFields::new(document, &compiler, &folder);
     let names = geom_names(document, &bodies);
     let constrained = unused_sections::report(document, &bodies, ignored);
-    let mut reader = Reader { document, compiler: &compiler, bodies: &bodies, geoms, names, constrained, ignored };
+    let (compiler, bodies) = (&compiler, &bodies);
+    let mut reader = Reader { document, compiler, bodies, geoms, height_fields, names, constrained, ignored };
     let models = reader.models(&kinds, skip)?;
     let frames = Vec::new();
     Ok(World { at: at(document, bodies.bodies[0].element), gravity: gravity(document)?, models, frames })
@@ -97,6 +100,7 @@ struct Reader<'a, 'd> {
     compiler: &'a Compiler,
     bodies: &'a Bodies<'d>,
     geoms: Geoms<'a>,
+    height_fields: HeightFields<'a>,
     names: Vec<Vec<String>>,
     /// Bodies under the world that a constraint holds.
     constrained: HashSet<usize>,
@@ -214,13 +218,23 @@ impl Reader<'_, '_> {
         let view = &held.view;
         let kind = view.text("type").unwrap_or("sphere");
         if matches!(kind, "plane" | "hfield" | "sdf") {
+            let pose = held.frame * between(view, self.compiler)?.0;
+            let none = Geom { visual: None, collision: None, inertia: Ok(None) };
+            if !Geoms::collides(view)? {
+                return Ok((None, none));
+            }
             let geometry = match kind {
                 "plane" => Geometry::Plane(Vector3::z()),
+                "hfield" => match self.height_fields.get(view)? {
+                    Ok(heights) => Geometry::Heights(heights),
+                    Err(reason) => {
+                        self.ignored.warning(view.id(), format!("a height field is left out: {reason}"));
+                        return Ok((None, none));
+                    }
+                },
                 _ => Geometry::Other(kind.to_owned()),
             };
-            let pose = held.frame * between(view, self.compiler)?.0;
-            let shape = if Geoms::collides(view)? { Some(self.touched(body, k, pose, geometry)?) } else { None };
-            return Ok((shape, Geom { visual: None, collision: None, inertia: Ok(None) }));
+            return Ok((Some(self.touched(body, k, pose, geometry)?), none));
         }
         let geom = self.geoms.read(held, self.compiler, self.ignored)?;
         let Some(solid) = &geom.collision else { return Ok((None, geom)) };

@@ -63,6 +63,9 @@ impl Shapes {
             }
             Written::Hull(_) => Err("it is not a shape of an SDF".into()),
             Written::Plane(_) => Err("a <plane> is no body".into()),
+            Written::Heights(_) | Written::Heightmap(..) => {
+                Err("height fields are fixed terrain of a `[world]`".into())
+            }
             Written::Other(tag) => Err(format!("there is no shape <{tag}>").into()),
         }
     }

@@ -85,7 +85,11 @@ impl Check<'_> {
     }
 
     fn height_field(&mut self, path: &str, field: &HeightFieldTerrain) {
-        self.file(path, &field.file, &["csv", "png"]);
+        match (&field.file, &field.heights) {
+            (Some(file), None) => self.file(path, file, &["csv", "png"]),
+            (None, Some(_)) => {}
+            _ => self.error(path, "needs either `file` or `heights`"),
+        }
         match (field.size, field.spacing) {
             (Some(size), None) => self.lengths(&format!("{path}.size"), &size),
             (None, Some(spacing)) => self.length(&format!("{path}.spacing"), spacing),

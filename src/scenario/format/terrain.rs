@@ -17,7 +17,7 @@ tagged! {
         "ramp" => Ramp(RampTerrain),
         /// Stairs with solid steps.
         "stairs" => Stairs(StairsTerrain),
-        /// A grid of heights from a file.
+        /// A grid of heights.
         "heightfield" => HeightField(HeightFieldTerrain),
         /// A body from a mesh file.
         "mesh" => Mesh(MeshTerrain),
@@ -124,8 +124,13 @@ pub struct HeightFieldTerrain {
     #[schemars(with = "[json::Angle; 3]")]
     pub rpy: [f64; 3],
     /// Heights: a table (`.csv`) with a row of numbers for each y and a column for each x, both
-    /// ascending, or a 16-bit greyscale picture (`.png`), its first line at the least y.
-    pub file: String,
+    /// ascending, or a 16-bit greyscale picture (`.png`), its first line at the least y. Either this
+    /// or `heights`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// The rows of a table, in place of `file`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub heights: Option<Vec<Vec<f64>>>,
     /// Distances of the outer columns and of the outer rows, m; either this or `spacing`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<[json::Positive; 2]>")]
@@ -226,7 +231,7 @@ impl TerrainSpec {
     /// The file that the key `file` names, if the type has that key.
     pub fn file(&self) -> Option<&str> {
         match self {
-            TerrainSpec::HeightField(field) => Some(&field.file),
+            TerrainSpec::HeightField(field) => field.file.as_deref(),
             TerrainSpec::Mesh(mesh) => Some(&mesh.file),
             TerrainSpec::Box(_) | TerrainSpec::Ramp(_) | TerrainSpec::Stairs(_) => None,
         }
@@ -236,6 +241,7 @@ impl TerrainSpec {
 impl HeightFieldTerrain {
     /// True for a picture, false for a table.
     pub fn is_picture(&self) -> bool {
-        std::path::Path::new(&self.file).extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
+        let extension = self.file.as_ref().and_then(|file| std::path::Path::new(file).extension());
+        extension.is_some_and(|e| e.eq_ignore_ascii_case("png"))
     }
 }

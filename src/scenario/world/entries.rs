@@ -11,13 +11,14 @@
 
 use std::path::Path;
 
+use super::height_map;
 use super::nodes::{number, numbers, table, text};
 use super::read_world::Spans;
 use super::solid::{Primitive, primitive};
-use crate::sdf::{Geometry, Model, Pose, Resolved, ResolvedLink, Shape, resolve_uri};
+use crate::sdf::{Geometry, Heights, Model, Pose, Resolved, ResolvedLink, Shape, resolve_uri};
 use crate::text::diagnostic::Severity;
 use crate::text::source::Span;
-use crate::text::toml_tree::Node;
+use crate::text::toml_tree::{Node, Value};
 
 /// Deviation of a plane's normal from vertical up to which it is level: rounding.
 const LEVEL: f64 = 1e-12;
@@ -106,14 +107,33 @@ impl<'a, 's> Entries<'a, 's> {
                 Err(reason) => return self.leave_out(name, span, &reason),
             },
             Geometry::Plane(normal) => return self.level_plane(name, shape, &span, normal, pose),
-            Geometry::Other(tag) if matches!(tag.as_str(), "heightmap" | "hfield") => {
-                let reason = "its heights are not read; a `heightfield` of `[[terrain]]` can take its place";
-                return self.leave_out(name, span, reason);
+            Geometry::Heights(heights) => return self.height_field(&name, shape, pose, heights),
+            Geometry::Heightmap(uri, size, offset) => {
+                let folder = shape.at.source.path().parent().unwrap_or(Path::new(""));
+                return match resolve_uri(folder, uri).and_then(|path| height_map::read(&path, size)) {
+                    Ok(heights) => {
+                        let offset = Pose::from_rpy((*offset).into(), [0.0; 3]);
+                        self.height_field(&name, shape, &pose.then(&offset), &heights)
+                    }
+                    Err(reason) => self.leave_out(name, span, &reason),
+                };
             }
             Geometry::Other(tag) => return self.leave_out(name, span, &format!("there is no terrain <{tag}>")),
             _ => return self.leave_out(name, span, "there is no terrain of its shape"),
         };
         keys.extend(self.place(&name, pose, &span));
+        keys.extend(self.friction(shape).map(|mu| ("friction", number(mu, &span))));
+        self.terrain.push(table(keys, &span));
+    }
+
+    /// A height field, whose heights are part of the entry.
+    fn height_field(&mut self, name: &str, shape: &Shape, pose: &Pose, heights: &Heights) {
+        let span = self.spans.of(&shape.at);
+        let rows = heights.rows.iter().map(|row| numbers(row, &span)).collect();
+        let rows = Node { span: span.clone(), value: Value::Array(rows) };
+        let mut keys =
+            vec![("type", text("heightfield", &span)), ("heights", rows), ("size", numbers(&heights.size, &span))];
+        keys.extend(self.place(name, pose, &span));
         keys.extend(self.friction(shape).map(|mu| ("friction", number(mu, &span))));
         self.terrain.push(table(keys, &span));
     }

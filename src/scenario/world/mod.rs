@@ -5,6 +5,7 @@
 //! scenario of a run has the added entries in place of `[world]`, and so have records and logs.
 
 mod entries;
+mod height_map;
 mod nodes;
 mod read_world;
 mod solid;
