@@ -214,3 +214,12 @@ fn a_fixed_arm_with_classes_references_and_servos_agrees() {
 fn balls_meshes_by_each_rule_and_shells_agree() {
     check("shapes");
 }
+
+/// Names and poses of copies, and of what names them; the sensor is one for each copy.
+#[test]
+fn replicated_elements_agree() {
+    check("replicate");
+    let (model, _) = read("replicate");
+    let names: Vec<&str> = model.sensors.imu.iter().map(|sensor| sensor.name.as_str()).collect();
+    assert_eq!(names, ["tip-0", "tip-1", "tip-2"]);
+}

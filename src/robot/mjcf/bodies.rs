@@ -150,7 +150,7 @@ impl<'a> Bodies<'a> {
                 let name = document.text(id, "name").map(str::to_owned);
                 self.sites.push(Site { name, body, pose: frame * between(&view, compiler)?.0 });
             }
-            tag @ ("replicate" | "attach") => {
+            tag @ "attach" => {
                 let fault = document.fault(id, format!("<{tag}> is not available"));
                 let help = "MuJoCo expands it: `mj_saveLastXML` writes the expanded file";
                 return Err(fault.expected("bodies written in full").help(help).not_available());

@@ -18,6 +18,7 @@ const MAX_INCLUDES: usize = 1000;
 pub(super) type Id = usize;
 
 /// One attribute with the position of its value.
+#[derive(Clone)]
 pub(super) struct Attribute {
     pub name: String,
     pub value: String,
@@ -25,6 +26,7 @@ pub(super) struct Attribute {
 }
 
 /// One element.
+#[derive(Clone)]
 pub(super) struct Element {
     pub tag: String,
     pub attributes: Vec<Attribute>,
@@ -65,6 +67,24 @@ impl Document {
 
     pub fn element(&self, id: Id) -> &Element {
         &self.elements[id]
+    }
+
+    pub fn element_mut(&mut self, id: Id) -> &mut Element {
+        &mut self.elements[id]
+    }
+
+    /// Adds an element, which no other one holds yet.
+    ///
+    /// # Errors
+    /// Too many elements.
+    pub fn push(&mut self, element: Element) -> Result<Id, RobotError> {
+        let id = self.elements.len();
+        self.elements.push(element);
+        if id > MAX_ELEMENTS {
+            let fault = self.fault(id, "with its copies the file has too many elements");
+            return Err(fault.expected(format!("at most {MAX_ELEMENTS}")).invalid());
+        }
+        Ok(id)
     }
 
     pub fn tag(&self, id: Id) -> &str {

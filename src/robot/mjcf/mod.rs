@@ -25,6 +25,7 @@ mod meshes;
 mod moving_tree;
 mod orientation;
 mod primitives;
+mod replicate;
 mod robot_tree;
 mod selection;
 mod sensors;
@@ -64,7 +65,8 @@ pub(super) fn load(
     policy: InertiaPolicy,
     notices: &mut Notices,
 ) -> Result<Loaded, RobotError> {
-    let document = Document::read(source)?;
+    let mut document = Document::read(source)?;
+    replicate::expand(&mut document)?;
     let mut ignored = Ignored::of(if name.is_some() { Role::Part } else { Role::Robot });
     let loaded = read(&document, name, base, policy, &mut ignored)?;
     ignored.report(&document, notices);
