@@ -34,6 +34,8 @@ const REFERENCES: [(&str, &str); 14] = [
     ("refsite", "site"),
     ("slidersite", "site"),
 ];
+/// Tags of elements that others name.
+const TAGS: [&str; 4] = ["body", "joint", "geom", "site"];
 /// Sections whose elements name elements of bodies.
 const SECTIONS: [&str; 4] = ["sensor", "actuator", "equality", "contact"];
 
@@ -105,14 +107,10 @@ fn names(document: &Document, children: &[Id]) -> Names {
     let (mut names, mut stack) = (Names::new(), children.to_vec());
     while let Some(id) = stack.pop() {
         stack.extend(document.children(id));
-        let tag = match document.tag(id) {
-            "body" => "body",
-            "joint" | "freejoint" => "joint",
-            "geom" => "geom",
-            "site" => "site",
-            _ => continue,
-        };
-        names.extend(document.text(id, "name").map(|name| (tag, name.to_owned())));
+        let tag = if document.tag(id) == "freejoint" { "joint" } else { document.tag(id) };
+        if let (Some(tag), Some(name)) = (TAGS.into_iter().find(|known| *known == tag), document.text(id, "name")) {
+            names.insert((tag, name.to_owned()));
+        }
     }
     names
 }
@@ -177,7 +175,8 @@ fn references_of(element: &Element, names: &Names) -> Vec<usize> {
         };
         // `xbody` is the frame of a body, `body` that of its inertia.
         let tag = if tag == Some("xbody") { Some("body") } else { tag };
-        tag.is_some_and(|tag| names.iter().any(|(kind, name)| *kind == tag && *name == attribute.value))
+        let known = tag.and_then(|tag| TAGS.into_iter().find(|known| *known == tag));
+        known.is_some_and(|tag| names.contains(&(tag, attribute.value.clone())))
     };
     element.attributes.iter().enumerate().filter(|(_, a)| is_named(a)).map(|(k, _)| k).collect()
 }
