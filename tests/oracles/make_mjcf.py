@@ -23,7 +23,7 @@ MODELS = HERE.parent / "robot/mjcf"
 CONFIGURATIONS = 3
 GRAVITY = np.array([0.4, -0.3, -9.7])
 # Model: names of bodies directly under the world that are not part of the robot.
-LEFT_OUT = {"arm": [], "biped": ["ball", "table"], "shapes": [], "replicate": []}
+LEFT_OUT = {"arm": [], "biped": ["ball", "table"], "shapes": [], "replicate": [], "attach": []}
 
 
 def main():

@@ -223,3 +223,9 @@ fn replicated_elements_agree() {
     let names: Vec<&str> = model.sensors.imu.iter().map(|sensor| sensor.name.as_str()).collect();
     assert_eq!(names, ["tip-0", "tip-1", "tip-2"]);
 }
+
+/// An attached model keeps its own classes, meshes, drives and constraints, also where it is copied.
+#[test]
+fn attached_models_agree() {
+    check("attach");
+}

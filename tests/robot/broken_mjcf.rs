@@ -69,7 +69,7 @@ const CASES: &[(&str, &str, usize, &str)] = &[
     ("diaginertia=\"1 1 1\"", "fullinertia=\"1 1 1 0 0 0\" euler=\"0 0 0\"", 12, "exclude each other"),
     ("<site name=\"s\"/>", "<inertial mass=\"1\" pos=\"0 0 0\"/>", 13, "body `a` has two <inertial>"),
     ("<site name=\"s\"/>", "<sitee name=\"s\"/>", 13, "did you mean `site`"),
-    ("<site name=\"s\"/>", "<attach model=\"m\" body=\"b\" prefix=\"p\"/>", 13, "<attach> is not available"),
+    ("<site name=\"s\"/>", "<attach model=\"m\" body=\"b\" prefix=\"p\"/>", 13, "`model` of <attach> cannot be used"),
     ("<site name=\"s\"/>", "<replicate offset=\"1 0 0\"/>", 13, "<replicate> lacks the attribute `count`"),
     ("<site name=\"s\"/>", "<replicate count=\"0.5\"/>", 13, "`count` of <replicate> cannot be used"),
     ("<site name=\"s\"/>", "<replicate count=\"2\" offsets=\"1 0 0\"/>", 13, "<replicate> has no attribute `offsets`"),

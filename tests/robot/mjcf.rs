@@ -186,6 +186,39 @@ fn included_files_are_relative_to_the_main_file_or_to_the_including_one() {
 }
 
 #[test]
+fn attached_models_bring_their_meshes_and_must_have_the_same_settings() {
+    let main = "<mujoco><compiler meshdir=\"assets\"/><asset>\n<model name=\"arm\" file=\"parts/arm.xml\"/></asset>\n\
+                <worldbody><body name=\"a\"><freejoint/><geom size=\"0.1\"/>\n\
+                <attach model=\"arm\" prefix=\"p\"/></body></worldbody></mujoco>";
+    let arm = |settings: &str, rest: &str| {
+        format!(
+            "<mujoco><compiler meshdir=\"meshes\" {settings}/><asset><mesh file=\"t.obj\"/>{rest}</asset><worldbody>\
+             <body name=\"b\"><joint/><geom type=\"mesh\" mesh=\"t\"/></body>\
+             <attach model=\"x\" prefix=\"q\"/></worldbody></mujoco>"
+        )
+    };
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    let read = |arm: &str| {
+        let small = "<mujoco><worldbody><geom name=\"g\" size=\"0.1\"/></worldbody></mujoco>";
+        let files = [("robot.xml", main), ("parts/arm.xml", arm), ("parts/meshes/t.obj", obj), ("parts/x.xml", small)];
+        let folder = folder(&[&files[..], &[("assets/t.obj", "none")]].concat());
+        load(&folder.path().join("robot.xml"))
+    };
+    let robot = read(&arm("", "<model file=\"x.xml\"/>")).unwrap_or_else(|e| panic!("{}", e.render(false)));
+    let links: Vec<_> =
+        robot.model.links.iter().map(|link| (link.name.as_str(), link.collisions.len(), link.merged.len())).collect();
+    assert_eq!(links, [("a", 2, 0), ("pb", 1, 0)]);
+    assert_eq!(robot.files.len(), 4);
+    for (settings, rest, expected) in [
+        ("angle=\"radian\"", "<model file=\"x.xml\"/>", "the attached model has another `angle` in <compiler>"),
+        ("", "<model name=\"x\" file=\"../robot.xml\"/>", "`model` of <attach> cannot be used"),
+    ] {
+        let error = read(&arm(settings, rest)).unwrap_err().to_string();
+        assert!(error.contains(expected) && error.contains("arm.xml:1:"), "{error}");
+    }
+}
+
+#[test]
 fn robot_files_name_a_model_by_one_of_two_keys() {
     let mjcf = "<mujoco><worldbody><body name=\"a\"><freejoint/><geom size=\"0.1\"/></body></worldbody></mujoco>";
     for key in ["model", "urdf"] {

@@ -73,8 +73,7 @@ struct Pending {
 
 impl<'a> Bodies<'a> {
     /// # Errors
-    /// Two bodies, joints or sites of one name; two `<inertial>` of one body; elements that create
-    /// bodies by rules that are not available; poses that are not valid.
+    /// Two bodies, joints or sites of one name; two `<inertial>` of one body; poses that are not valid.
     pub fn read(
         document: &'a Document,
         classes: &Classes<'a>,
@@ -149,11 +148,6 @@ impl<'a> Bodies<'a> {
                 let view = classes.view(id, class.as_deref())?;
                 let name = document.text(id, "name").map(str::to_owned);
                 self.sites.push(Site { name, body, pose: frame * between(&view, compiler)?.0 });
-            }
-            tag @ "attach" => {
-                let fault = document.fault(id, format!("<{tag}> is not available"));
-                let help = "MuJoCo expands it: `mj_saveLastXML` writes the expanded file";
-                return Err(fault.expected("bodies written in full").help(help).not_available());
             }
             tag @ ("composite" | "flexcomp") => {
                 ignored.warning(id, format!("<{tag}> is left out: deformable bodies are not available"));

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::document::{Document, Id};
+use super::document::{ATTACHED_DEFAULT, Document, Id};
 use super::view::View;
 use crate::robot::robot_error::RobotError;
 
@@ -45,9 +45,18 @@ impl<'a> Classes<'a> {
     pub fn read(document: &'a Document) -> Result<Self, RobotError> {
         let mut this = Self { document, classes: vec![Class::default()], names: HashMap::from([("main", 0)]) };
         let mut stack = Vec::new();
-        for id in document.section("default") {
-            this.names.insert(document.text(id, "class").unwrap_or("main"), 0);
-            stack.push((id, 0));
+        for id in document.section("default").chain(document.section(ATTACHED_DEFAULT)) {
+            let name = document.text(id, "class").unwrap_or("main");
+            let root = match (document.tag(id), this.names.get(name)) {
+                ("default", _) => 0,
+                (_, Some(&known)) => known,
+                (_, None) => {
+                    this.classes.push(Class::default());
+                    this.classes.len() - 1
+                }
+            };
+            this.names.insert(name, root);
+            stack.push((id, root));
             // One section after the other: the order of elements is that of the file.
             while let Some((id, class)) = stack.pop() {
                 let start = stack.len();

@@ -43,6 +43,25 @@ pub(super) struct Compiler {
 }
 
 impl Compiler {
+    /// The first setting that differs, besides the folder of meshes.
+    pub fn difference(&self, other: &Self) -> Option<&'static str> {
+        let same = [
+            ("angle", self.angle == other.angle),
+            ("eulerseq", self.eulerseq == other.eulerseq),
+            ("autolimits", self.autolimits == other.autolimits),
+            ("inertiafromgeom", self.from_geoms == other.from_geoms),
+            ("inertiagrouprange", self.groups == other.groups),
+            ("boundmass", self.bound_mass == other.bound_mass),
+            ("boundinertia", self.bound_inertia == other.bound_inertia),
+            ("balanceinertia", self.balance == other.balance),
+            ("settotalmass", self.total_mass <= 0.0 && other.total_mass <= 0.0),
+            ("strippath", !self.strip_path && !other.strip_path),
+            ("fitaabb", self.fit_box == other.fit_box),
+            ("exactmeshinertia", self.exact_meshes == other.exact_meshes),
+        ];
+        same.into_iter().find(|(_, is_same)| !is_same).map(|(name, _)| name)
+    }
+
     pub fn read(document: &Document) -> Result<Self, RobotError> {
         // The last one first, as default classes come after an element's own attributes.
         let mut levels: Vec<_> = document.section("compiler").collect();

@@ -44,6 +44,9 @@ pub(super) struct Document {
     elements: Vec<Element>,
 }
 
+/// Tag of the sections of default classes of an attached model.
+pub(super) const ATTACHED_DEFAULT: &str = "attached default";
+
 /// The root element of the main file.
 pub(super) const ROOT: Id = 0;
 
@@ -71,6 +74,27 @@ impl Document {
 
     pub fn element_mut(&mut self, id: Id) -> &mut Element {
         &mut self.elements[id]
+    }
+
+    /// All elements.
+    pub fn elements_mut(&mut self) -> impl Iterator<Item = &mut Element> {
+        self.elements.iter_mut()
+    }
+
+    /// Adds all elements of another document, which no element of this one holds yet. Returns what
+    /// their ids are greater by.
+    ///
+    /// # Errors
+    /// Too many elements.
+    pub fn absorb(&mut self, other: Self) -> Result<Id, RobotError> {
+        let (offset, sources) = (self.elements.len(), self.sources.len());
+        self.sources.extend(other.sources);
+        for mut element in other.elements {
+            element.source += sources;
+            element.children.iter_mut().for_each(|id| *id += offset);
+            self.push(element)?;
+        }
+        Ok(offset)
     }
 
     /// Adds an element, which no other one holds yet.
@@ -233,6 +257,6 @@ fn element(text: &Source, source: usize, node: roxmltree::Node) -> Element {
 }
 
 /// The path by which a file is recognised.
-fn normalized(path: &Path) -> PathBuf {
+pub(super) fn normalized(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }

@@ -2,7 +2,7 @@
 //! those that are ignored with a notice. Others are errors of spelling, or of a later version.
 
 use super::classes::ACTUATORS;
-use super::document::{Document, Id, ROOT};
+use super::document::{ATTACHED_DEFAULT, Document, Id, ROOT};
 use super::ignored::{Ignored, Role};
 use crate::robot::robot_error::RobotError;
 use crate::text::suggest::nearest;
@@ -176,7 +176,7 @@ pub(super) fn check(document: &Document, ignored: &mut Ignored) -> Result<(), Ro
         match tag {
             "compiler" => by_rule(document, section, "compiler", "compiler", ignored)?,
             "worldbody" => descend(document, section, ignored)?,
-            "default" => defaults(document, section, ignored)?,
+            "default" | ATTACHED_DEFAULT => defaults(document, section, ignored)?,
             "asset" | "actuator" | "equality" | "contact" | "keyframe" => {
                 for &child in document.children(section) {
                     by_rule(document, child, tag, document.tag(child), ignored)?;
@@ -199,8 +199,8 @@ fn descend(document: &Document, top: Id, ignored: &mut Ignored) -> Result<(), Ro
         for &child in document.children(id) {
             match document.tag(child) {
                 tag @ ("camera" | "light") => ignored.note(child, format!("<{tag}> is ignored")),
-                // Refused or ignored where bodies are read.
-                "replicate" | "attach" | "composite" | "flexcomp" | "plugin" => {}
+                // Ignored where bodies are read.
+                "composite" | "flexcomp" | "plugin" => {}
                 tag @ ("body" | "frame") => {
                     by_rule(document, child, "worldbody", tag, ignored)?;
                     stack.push(child);

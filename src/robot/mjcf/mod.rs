@@ -1,6 +1,7 @@
 //! Reads MJCF, MuJoCo's XML, to the tree of moving links.
 //!
-//! [`document`] reads the file with its included files, [`grammar`] checks names of elements and
+//! [`document`] reads the file with its included files, [`attach`] and [`replicate`] expand what
+//! creates bodies, [`grammar`] checks names of elements and
 //! attributes, [`classes`] resolves defaults. [`bodies`] reads the tree of bodies, [`robot_tree`]
 //! chooses the robot in it, and [`moving_tree`] builds links and joints. Actuators, sensors,
 //! equalities and keys refer to these. Meaning of all values: [MuJoCo], XML reference.
@@ -8,6 +9,7 @@
 //! Called by the loader of robots.
 
 mod actuators;
+mod attach;
 mod bodies;
 mod classes;
 mod compiler;
@@ -66,7 +68,7 @@ pub(super) fn load(
     notices: &mut Notices,
 ) -> Result<Loaded, RobotError> {
     let mut document = Document::read(source)?;
-    replicate::expand(&mut document)?;
+    attach::expand(&mut document)?;
     let mut ignored = Ignored::of(if name.is_some() { Role::Part } else { Role::Robot });
     let loaded = read(&document, name, base, policy, &mut ignored)?;
     ignored.report(&document, notices);
@@ -135,7 +137,13 @@ fn read(
         transmissions: Vec::new(),
     };
     damp_by_ratio(&mut model, &parts.references, &ratios);
-    let included = document.sources[1..].iter().map(|s| (s.path().to_owned(), s.text().as_bytes().to_vec()));
+    // A model that is attached several times was read as often.
+    let sources = &document.sources;
+    let is_first = |i: &usize| sources[..*i].iter().all(|other| other.path() != sources[*i].path());
+    let included = (1..sources.len())
+        .filter(is_first)
+        .map(|i| &sources[i])
+        .map(|s| (s.path().to_owned(), s.text().as_bytes().to_vec()));
     let files = included.chain(geoms.meshes.files).collect();
     Ok(Loaded { model, files, ignored_pairs })
 }

@@ -37,10 +37,10 @@ const REFERENCES: [(&str, &str); 14] = [
 /// Tags of elements that others name.
 const TAGS: [&str; 4] = ["body", "joint", "geom", "site"];
 /// Sections whose elements name elements of bodies.
-const SECTIONS: [&str; 4] = ["sensor", "actuator", "equality", "contact"];
+pub(super) const SECTIONS: [&str; 4] = ["sensor", "actuator", "equality", "contact"];
 
 /// Tag and name of each element that is copied.
-type Names = HashSet<(&'static str, String)>;
+pub(super) type Names = HashSet<(&'static str, String)>;
 
 /// Expands all `<replicate>` of the file, inner ones first.
 ///
@@ -103,7 +103,7 @@ fn copies(document: &mut Document, id: Id, compiler: &Compiler) -> Result<(), Ro
 }
 
 /// Names of elements below some, by tag.
-fn names(document: &Document, children: &[Id]) -> Names {
+pub(super) fn names(document: &Document, children: &[Id]) -> Names {
     let (mut names, mut stack) = (Names::new(), children.to_vec());
     while let Some(id) = stack.pop() {
         stack.extend(document.children(id));
@@ -138,6 +138,11 @@ fn copy(document: &mut Document, id: Id, suffix: &str) -> Result<Id, RobotError>
     Ok(new)
 }
 
+/// True for an attribute that names a joint, body, geom or site.
+pub(super) fn is_reference(attribute: &str) -> bool {
+    matches!(attribute, "objname" | "refname") || REFERENCES.iter().any(|(known, _)| *known == attribute)
+}
+
 /// Replaces each element that names copied ones by its copies.
 fn references(document: &mut Document, names: &Names, suffixes: &[String]) -> Result<(), RobotError> {
     for section in SECTIONS.into_iter().flat_map(|name| document.section(name).collect::<Vec<_>>()).collect::<Vec<_>>()
@@ -165,7 +170,7 @@ fn references(document: &mut Document, names: &Names, suffixes: &[String]) -> Re
 }
 
 /// The attributes of an element that name copied ones.
-fn references_of(element: &Element, names: &Names) -> Vec<usize> {
+pub(super) fn references_of(element: &Element, names: &Names) -> Vec<usize> {
     let text = |name: &str| element.attributes.iter().find(|a| a.name == name).map(|a| a.value.as_str());
     let is_named = |attribute: &Attribute| {
         let tag = match attribute.name.as_str() {

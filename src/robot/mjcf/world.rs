@@ -26,7 +26,7 @@ use super::meshes::Meshes;
 use super::selection::geom_names;
 use super::unused_sections;
 use super::view::View;
-use super::{grammar, inertials, replicate, robot_tree};
+use super::{attach, grammar, inertials, robot_tree};
 use crate::robot::model::Geometry as Solid;
 use crate::robot::robot_error::RobotError;
 use crate::robot::urdf::InertiaPolicy;
@@ -39,7 +39,7 @@ use crate::text::source::Source;
 /// As for a robot, but several mechanisms or none are no error.
 pub(in crate::robot) fn read(source: &Source, skip: &dyn Fn(&str) -> bool) -> Result<(World, Vec<Remark>), RobotError> {
     let mut document = Document::read(source)?;
-    replicate::expand(&mut document)?;
+    attach::expand(&mut document)?;
     let mut ignored = Ignored::of(Role::World);
     let world = world(&document, skip, &mut ignored)?;
     let remarks = ignored.into_list().map(|(id, is_warning, message)| (at(&document, id), is_warning, message));
