@@ -46,6 +46,7 @@ mod stepping;
 mod sunk;
 pub mod support;
 mod terrain;
+mod thrown;
 mod tipping;
 mod turning;
 mod viscous_slip;

@@ -6,7 +6,7 @@
 
 use crate::contact::hybrid::projection;
 use crate::contact::model::problem::{Problem, SoleProblem};
-use crate::contact::model::state::States;
+use crate::contact::model::state::{Mode, States};
 use crate::dynamics::reduced;
 use crate::sim::plant::Polygon;
 use crate::sim::run::RunState;
@@ -83,7 +83,7 @@ impl RunState {
             let v = p.vertex_motion(&p.b, s, i);
             match states[s].clamps(i, p.soles[s].vertices.len()) {
                 false => 0.0,
-                true if states[s].is_static() => v.norm(),
+                true if states[s].is_static() || states[s].mode == Mode::Pivoting(i as u8) => v.norm(),
                 true => v.z.abs(),
             }
         };
