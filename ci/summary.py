@@ -23,11 +23,12 @@ CELL = 300
 BLOCK = 4000
 
 MEANING = {
-    0: "all runs finished and every expectation held.",
-    1: "an expectation did not hold.",
+    0: "all runs finished, every expectation and claim held.",
+    1: "an expectation did not hold, or a claim fails.",
     2: "the input is invalid; nothing was run.",
     3: "a run or a reference run did not finish, or results could not be written.",
     4: "nothing was selected.",
+    5: "a claim is undecided.",
     130: "interrupted; finished runs are kept.",
     143: "interrupted; finished runs are kept.",
 }
@@ -277,6 +278,21 @@ def annotations(runs, diagnostics):
     return lines[:ANNOTATIONS]
 
 
+def claim_table(claims):
+    """The claims with verdict, measured value and bounds; nothing without claims."""
+    if not claims:
+        return []
+    rows = ["| claim | verdict | statement | measured | from | to | counted |", "|---|---|---|---|---|---|---|"]
+    for claim in claims[:ROWS]:
+        name = f"{claim['scenario']}: {claim['claim']}" + (f" [{claim['group']}]" if claim["group"] else "")
+        values = [number(claim[key], 3) for key in ("estimate", "lower", "upper")]
+        cells = [code(name), claim["verdict"], code(claim["statement"]), *values, f"{claim['used']} of {claim['planned']}"]
+        rows.append("| " + " | ".join(cells) + " |")
+    if len(claims) > ROWS:
+        rows += ["", f"and {count(len(claims) - ROWS, 'more claim')}"]
+    return ["#### Claims", "", *rows, ""]
+
+
 def summary(messages, compared, given):
     """The Markdown, the number of failed runs and the number of changes."""
     exit_code = given.exit_code
@@ -310,6 +326,8 @@ def summary(messages, compared, given):
         lines += [f"Error: {code(finished['error'])}", ""]
     if finished.get("not_started"):
         lines += [f"{count(finished['not_started'], 'run')} not started.", ""]
+    if finished.get("not_needed"):
+        lines += [f"{count(finished['not_needed'], 'run')} not started, since their claims are decided.", ""]
     if not messages:
         lines += ["The program wrote no messages: the log of this step has its error.", ""]
     if diagnostics:
@@ -320,6 +338,7 @@ def summary(messages, compared, given):
     if total:
         lines += scenario_table(runs)
         lines += failure_tables(runs)
+    lines += claim_table(events.get("claim-judged", []))
     changed = None
     if given.baseline:
         lines += ["#### Compared with the baseline", ""]

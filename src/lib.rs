@@ -131,6 +131,8 @@ pub mod sdf;
 #[cfg_attr(doc, doc(hidden))]
 pub mod sim;
 #[cfg_attr(doc, doc(hidden))]
+pub mod statistics;
+#[cfg_attr(doc, doc(hidden))]
 pub mod submit;
 #[cfg_attr(doc, doc(hidden))]
 pub mod task;

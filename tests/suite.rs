@@ -6,6 +6,7 @@
 mod actuation;
 mod analytic;
 mod batch;
+mod claims;
 mod cli;
 mod collision;
 mod console;

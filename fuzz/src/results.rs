@@ -5,19 +5,20 @@ use std::path::{Path, PathBuf};
 
 use stiction::files::names;
 use stiction::report::{Pictured, found_runs, write_report_of};
+use stiction::results::claims::{claim_table, read_claims};
 use stiction::results::compare::{Limits, Results, compare};
 use stiction::results::merge::Shards;
 use stiction::results::pareto::{Work, pareto_table};
 use stiction::results::{
-    FoundRun, ListedVerdicts, RunsLog, SampledRuns, ShardList, SummaryRow, endings, list_records, overview,
-    read_records, table, verdicts, write_summary_of,
+    FoundRun, ListedVerdicts, RunStatistics, RunsLog, SampledRuns, ShardList, SummaryRow, endings, list_records,
+    overview, read_records, table, verdicts, write_summary_of,
 };
 use stiction::view::ViewableRuns;
 
 use super::{samples, scratch};
 
-/// Kinds: a record, `shard.jsonl`, `runs.jsonl`, `summary.csv`, `summary.parquet`.
-pub const KINDS: [u8; 5] = *b"rljcp";
+/// Kinds: a record, `shard.jsonl`, `claims.json`, `runs.jsonl`, `summary.csv`, `summary.parquet`.
+pub const KINDS: [u8; 6] = *b"rlajcp";
 
 /// Width of a terminal.
 const WIDTH: usize = 100;
@@ -31,6 +32,7 @@ pub fn take(data: &[u8]) {
         b'j' => runs_log(bytes),
         b'c' => summary(bytes, names::SUMMARY_CSV),
         b'p' => summary(bytes, names::SUMMARY_PARQUET),
+        b'a' => claims(bytes),
         _ => {}
     }
 }
@@ -58,7 +60,7 @@ fn record(bytes: &[u8]) {
     let (rows, reference_rows) = (summary_rows(&runs), summary_rows(&listing.references));
     let (shown, references) = (found_runs(&rows, &runs), found_runs(&reference_rows, &listing.references));
     let page = folder.join(names::REPORT);
-    write_report_of(&page, &folder, (&shown, &statistics), &references, &Pictured::Few).expect("a report");
+    write_report_of(&page, &folder, (&shown, &statistics), &references, (&Pictured::Few, &[])).expect("a report");
     assert_inert(&samples::text(&page));
     let _ = pareto_table(&rows.iter().map(Work::of).collect::<Vec<_>>(), WIDTH);
     let _ = (table(&rows, WIDTH), endings(&rows, true), overview(&statistics, &BTreeSet::new(), WIDTH));
@@ -66,6 +68,21 @@ fn record(bytes: &[u8]) {
     compare_with_itself(&folder);
     let (viewable, _) = ViewableRuns::find(&folder).expect("a folder");
     viewable.runs().iter().for_each(|run| drop(run.title()));
+}
+
+/// The results of claims: table and report, as `runner report` writes them.
+fn claims(bytes: &[u8]) {
+    let folder = scratch::empty_folder("claims");
+    scratch::write(&folder.join(names::CLAIMS), bytes);
+    let claims = match read_claims(&folder) {
+        Ok(claims) => claims,
+        Err(error) => return drop(error.to_string()),
+    };
+    let _ = claim_table(&claims, WIDTH);
+    let page = folder.join(names::REPORT);
+    write_report_of(&page, &folder, (&[], &RunStatistics::default()), &[], (&Pictured::Few, &claims))
+        .expect("a report");
+    assert_inert(&samples::text(&page));
 }
 
 /// Asserts that no text of a record became an element that loads or executes anything.
@@ -147,6 +164,7 @@ pub fn seeds() -> Vec<(u8, Vec<u8>)> {
     vec![
         (b'r', samples::record().into()),
         (b'l', samples::shard_list().into()),
+        (b'a', samples::CLAIMS.into()),
         (b'j', samples::runs_log().into()),
         (b'c', std::fs::read(file(names::SUMMARY_CSV)).expect("a summary")),
         (b'p', std::fs::read(file(names::SUMMARY_PARQUET)).expect("a summary")),

@@ -4,6 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use stiction::files::names;
+use stiction::results::claims::{ClaimHead, GroupHead, RunClaim};
+use stiction::scenario::{ClaimSpec, Expect, ExpectedOutcome};
 use stiction::{Options, run_batch};
 
 use super::{scratch, tree};
@@ -74,12 +76,33 @@ pub fn runs_log() -> String {
     text(&results().join(names::RUNS_LOG)).lines().map(|line| without_checksum(line) + "\n").collect()
 }
 
+/// `claims.json` with a claim of two runs.
+pub const CLAIMS: &str = r#"{"schema": 1, "program": "stiction 0.1.0", "claims": [{
+  "scenario": "slide", "claim": "slow", "group": "contact.method=exact", "statement": "0.5 quantile of impacts at most 1",
+  "verdict": "undecided", "estimate": 0.5, "lower": null, "upper": "inf", "limit": 1.0, "at_least": false,
+  "confidence": 0.95, "early": false, "paired": false, "used": 2, "planned": 3, "without_value": 1, "threshold": 0.5,
+  "trace": [{"units": 1, "share": 1.0, "lower": 0.05, "upper": 1.0},
+            {"units": 2, "share": 0.5, "lower": 0.02532, "upper": 0.97468}]}]}
+"#;
+
 /// `shard.jsonl` of a plan of these runs.
 pub fn shard_list() -> String {
     let key = run().file_name().expect("a name").to_string_lossy().into_owned();
     let files = [("slide: block.urdf".to_owned(), "0123456789abcdef".to_owned())].into();
+    let groups = vec![GroupHead { label: String::new(), planned: 2 }];
+    let share = Expect { outcome: Some(ExpectedOutcome::Passed), ..Expect::default() };
+    let claim = ClaimSpec { name: "c".into(), share: Some(share), at_least: Some(0.5), ..ClaimSpec::default() };
     let head = stiction::results::ShardHead::new(1, 2, 2, "0123456789abcdef".into(), files);
-    let run = stiction::results::ShardRun { at: 0, scenario: "slide".into(), key, levels: Default::default() };
+    let head =
+        stiction::results::ShardHead { claims: vec![ClaimHead { scenario: "slide".into(), claim, groups }], ..head };
+    let part = RunClaim { claim: 0, group: 0, unit: 0, side: 0 };
+    let run = stiction::results::ShardRun {
+        at: 0,
+        scenario: "slide".into(),
+        key,
+        levels: Default::default(),
+        claims: vec![part],
+    };
     let line = |text: serde_json::Result<String>| text.expect("JSON") + "\n";
     line(serde_json::to_string(&head)) + &line(serde_json::to_string(&run))
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::batch::Job;
+use crate::results::claims::{ClaimVerdict, Judgement};
 use crate::results::{RunStatistics, SummaryFiles, SummaryRow};
 use crate::sim::Outcome;
 
@@ -45,8 +46,14 @@ pub struct Report {
     /// Finished reference runs, in the order in which they are first needed; they have no row in
     /// the summary.
     pub references: Vec<Finished>,
-    /// Runs that were never started.
+    /// Runs that were never started, those that are not needed excluded.
     pub not_started: usize,
+    /// Runs that were not started, since their claims are decided.
+    pub not_needed: usize,
+    /// Results of the claims; none of a part of a batch.
+    pub claims: Vec<ClaimVerdict>,
+    /// `claims.json`; none without claims.
+    pub claims_file: Option<PathBuf>,
     /// True if it was interrupted.
     pub interrupted: bool,
     /// The summary's files; none when no run finished.
@@ -68,6 +75,11 @@ impl Report {
     /// True if an expectation did not hold.
     pub fn has_failed(&self) -> bool {
         self.failed > 0
+    }
+
+    /// True if a claim has this result.
+    pub fn has_claim(&self, judgement: Judgement) -> bool {
+        self.claims.iter().any(|claim| claim.verdict == judgement)
     }
 
     /// Summary rows of the runs in `finished`.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use crate::batch::dispatch::cancellation::Gate;
+use crate::batch::dispatch::claim_watch::ClaimWatch;
 use crate::batch::dispatch::dispatcher::{Collected, Dispatcher};
 use crate::batch::dispatch::event::Event;
 use crate::batch::dispatch::finished_runs::AllRows;
@@ -14,6 +15,7 @@ use crate::batch::resume::resumed;
 use crate::batch::{BatchError, Body, Finished, Listener, NoListener, Options, Plan, Progress, Report, Resumed};
 use crate::files::{RecordError, confined, if_present, names, remove_partial};
 use crate::report::{Pictured, ReportRun, write_report_of};
+use crate::results::claims::{ClaimVerdict, write_claims};
 use crate::results::{Machine, PROGRAM, RunStatistics, RunsLog, write_summary_of};
 
 /// Interrupts a batch from anywhere, such as a signal handler. The first interruption starts no
@@ -126,10 +128,12 @@ impl Batch {
             }
         }
         let schedule = Schedule::new(plan, &self.resumed);
+        let claims = ClaimWatch::new(plan, &self.resumed.finished, output)?;
+        schedule.drop_runs(&|index| !claims.needs(index));
         let (options, resumed) = (&self.options, self.resumed);
         let mut dispatcher = Dispatcher::new(plan, options, &gate, &mut self.runs_log, progress, listener, resumed);
         std::thread::scope(|scope| {
-            scope.spawn(|| workers::work(&pool, &self.plan, &self.options, &schedule, &gate, &sender, body));
+            scope.spawn(|| workers::work(&pool, &self.plan, &self.options, (&schedule, &claims), &gate, &sender, body));
             dispatcher.receive(&inbox);
             let to_repeat = dispatcher.take_repeats();
             if !to_repeat.is_empty() {
@@ -139,14 +143,27 @@ impl Batch {
             }
         });
         let Collected { finished: store, references, interrupted } = dispatcher.collect()?;
+        let unneeded = (0..self.plan.runs()).filter(|index| !store.is_done(*index) && !claims.needs(*index));
+        let not_needed = unneeded.inspect(|index| listener.not_needed(*index)).count();
+        let verdicts = claims.verdicts();
+        verdicts.iter().for_each(|verdict| listener.judged(verdict));
+        let claims_file = write_claims(output, &verdicts)?;
         let rows = AllRows { store: &store, plan, output, statistics: RefCell::default() };
         let summary = if store.count == 0 { None } else { Some(write_summary_of(output, &rows)?) };
         let (count, statistics) = (store.count, rows.statistics.into_inner().unwrap_or_default());
         let (unfinished, failed) = (store.unfinished, store.failed);
         let (finished, references) = (store.into_sample(), references.into_sample());
-        let page = if count == 0 { None } else { Some(write_page(output, &finished, &statistics, &references)?) };
+        let page = if count == 0 {
+            None
+        } else {
+            let runs = (finished.as_slice(), &statistics);
+            Some(write_page(output, runs, &references, &verdicts)?)
+        };
         Ok(Report {
-            not_started: self.plan.runs() - count,
+            not_started: self.plan.runs() - count - not_needed,
+            not_needed,
+            claims: verdicts,
+            claims_file,
             statistics,
             finished,
             unfinished,
@@ -163,13 +180,14 @@ impl Batch {
 /// Writes `report.html`.
 fn write_page(
     output: &Path,
-    finished: &[Finished],
-    statistics: &RunStatistics,
+    (finished, statistics): (&[Finished], &RunStatistics),
     references: &[Finished],
+    claims: &[ClaimVerdict],
 ) -> Result<PathBuf, RecordError> {
     let (page, machine) = (output.join(names::REPORT), Machine::here());
     let runs = as_reported(finished, &machine);
-    write_report_of(&page, output, (&runs, statistics), &as_reported(references, &machine), &Pictured::Few)?;
+    let references = as_reported(references, &machine);
+    write_report_of(&page, output, (&runs, statistics), &references, (&Pictured::Few, claims))?;
     Ok(page)
 }
 

@@ -5,6 +5,7 @@ use std::io::ErrorKind;
 use std::process::{ExitCode, Termination};
 
 use crate::batch::Report;
+use crate::results::claims::Judgement;
 
 /// How the program ends.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -19,6 +20,8 @@ pub enum Exit {
     Unfinished = 3,
     /// There is nothing to do.
     Nothing = 4,
+    /// A claim is undecided.
+    Undecided = 5,
     /// Interrupted by SIGINT: 128 plus its number.
     Interrupted = 130,
     /// Terminated by SIGTERM: 128 plus its number.
@@ -63,17 +66,20 @@ pub struct Ending {
     pub interrupted: Option<Exit>,
     /// A run or a reference run did not finish, other than as expected.
     pub unfinished: bool,
-    /// An expectation did not hold.
+    /// An expectation did not hold, or a claim fails.
     pub failed: bool,
+    /// A claim is undecided.
+    pub undecided: bool,
 }
 
 impl Exit {
-    /// The exit code of a batch: the first that applies of interrupted, unfinished, failed.
+    /// The exit code of a batch: the first that applies of interrupted, unfinished, failed, undecided.
     pub fn of_ending(ending: Ending) -> Self {
         match ending {
             Ending { interrupted: Some(exit), .. } => exit,
             Ending { unfinished: true, .. } => Exit::Unfinished,
             Ending { failed: true, .. } => Exit::Failed,
+            Ending { undecided: true, .. } => Exit::Undecided,
             _ => Exit::Success,
         }
     }
@@ -81,7 +87,12 @@ impl Exit {
     /// The exit code of a batch by its report; `signal` is that of an interruption.
     pub fn of_batch(report: &Report, signal: Exit) -> Self {
         let interrupted = report.interrupted.then_some(signal);
-        Self::of_ending(Ending { interrupted, unfinished: report.has_unfinished(), failed: report.has_failed() })
+        Self::of_ending(Ending {
+            interrupted,
+            unfinished: report.has_unfinished(),
+            failed: report.has_failed() || report.has_claim(Judgement::Fails),
+            undecided: report.has_claim(Judgement::Undecided),
+        })
     }
 }
 
@@ -90,6 +101,7 @@ pub type Codes = [(Exit, &'static str)];
 
 const SCENARIO: &str = "wrong usage, or a scenario, robot or filter is invalid";
 const NOTHING: &str = "nothing selected: no scenario in a folder, no run left by the filter";
+const UNDECIDED: &str = "no claim fails, and one is undecided: its runs do not show whether it is true";
 const STDOUT: &str = "standard output could not be written to the end";
 const FILE: &str = "a file or standard output could not be written to the end";
 
@@ -127,8 +139,8 @@ pub fn codes(command: &str) -> &'static Codes {
             (Exit::Unfinished, FILE),
         ],
         "merge" => &[
-            (Exit::Success, "all runs finished and every expectation held"),
-            (Exit::Failed, "an expectation did not hold"),
+            (Exit::Success, "all runs finished, every expectation and claim held"),
+            (Exit::Failed, "an expectation did not hold, or a claim fails"),
             (
                 Exit::Invalid,
                 "wrong usage, results of other plans, runs that are missing or differ; nothing was written",
@@ -137,10 +149,11 @@ pub fn codes(command: &str) -> &'static Codes {
                 Exit::Unfinished,
                 "a run or a reference run did not finish, or standard output could not be written to the end",
             ),
+            (Exit::Undecided, UNDECIDED),
         ],
         "submit" => &[
-            (Exit::Success, "submitted; with --wait: merged, all runs finished and every expectation held"),
-            (Exit::Failed, "with --wait: an expectation did not hold"),
+            (Exit::Success, "submitted; with --wait: merged, all runs finished, every expectation and claim held"),
+            (Exit::Failed, "with --wait: an expectation did not hold, or a claim fails"),
             (
                 Exit::Invalid,
                 "wrong usage, an invalid scenario, no cluster, other results in the folder: nothing was submitted; with \
@@ -148,10 +161,14 @@ pub fn codes(command: &str) -> &'static Codes {
             ),
             (Exit::Unfinished, "with --wait: a run or a reference run did not finish"),
             (Exit::Nothing, NOTHING),
+            (Exit::Undecided, "with --wait: no claim fails, and one is undecided"),
         ],
         "compare" => &[
             (Exit::Success, "all values within their tolerances, the same runs in both"),
-            (Exit::Failed, "a value beyond its tolerance, an outcome changed, or a run that only one of them has"),
+            (
+                Exit::Failed,
+                "a value beyond its tolerance, an outcome or verdict changed, or a run that only one of them has",
+            ),
             (Exit::Invalid, "wrong usage, or results that cannot be read"),
             (Exit::Unfinished, STDOUT),
             (Exit::Nothing, "no runs in either"),
@@ -229,8 +246,8 @@ pub fn codes(command: &str) -> &'static Codes {
             (Exit::Unfinished, FILE),
         ],
         _ => &[
-            (Exit::Success, "all runs finished and every expectation held"),
-            (Exit::Failed, "an expectation did not hold"),
+            (Exit::Success, "all runs finished, every expectation and claim held"),
+            (Exit::Failed, "an expectation did not hold, or a claim fails"),
             (
                 Exit::Invalid,
                 "wrong usage, or a scenario, robot or filter is invalid, or the folder of results or the address of --live \
@@ -242,6 +259,7 @@ pub fn codes(command: &str) -> &'static Codes {
                  standard output could not be written to the end",
             ),
             (Exit::Nothing, NOTHING),
+            (Exit::Undecided, UNDECIDED),
             (Exit::Interrupted, "interrupted by Ctrl-C (SIGINT); finished runs are kept"),
             (Exit::Terminated, "interrupted by SIGTERM; finished runs are kept"),
         ],
@@ -282,16 +300,18 @@ mod tests {
     #[test]
     fn the_exit_code_of_a_batch() {
         let cases = [
-            (None, false, false, Exit::Success),
-            (None, false, true, Exit::Failed),
-            (None, true, false, Exit::Unfinished),
-            (None, true, true, Exit::Unfinished),
-            (Some(Exit::Interrupted), false, false, Exit::Interrupted),
-            (Some(Exit::Interrupted), true, true, Exit::Interrupted),
-            (Some(Exit::Terminated), false, true, Exit::Terminated),
+            (None, [false, false, false], Exit::Success),
+            (None, [false, true, false], Exit::Failed),
+            (None, [true, false, false], Exit::Unfinished),
+            (None, [true, true, true], Exit::Unfinished),
+            (None, [false, true, true], Exit::Failed),
+            (None, [false, false, true], Exit::Undecided),
+            (Some(Exit::Interrupted), [false, false, true], Exit::Interrupted),
+            (Some(Exit::Interrupted), [true, true, false], Exit::Interrupted),
+            (Some(Exit::Terminated), [false, true, false], Exit::Terminated),
         ];
-        for (interrupted, unfinished, failed, exit) in cases {
-            let ending = Ending { interrupted, unfinished, failed };
+        for (interrupted, [unfinished, failed, undecided], exit) in cases {
+            let ending = Ending { interrupted, unfinished, failed, undecided };
             assert_eq!(Exit::of_ending(ending), exit, "{ending:?}");
         }
     }

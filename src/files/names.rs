@@ -10,6 +10,8 @@ pub const REPORT: &str = "report.html";
 pub const RUNS_LOG: &str = "runs.jsonl";
 /// The runs of a shard.
 pub const SHARD_LIST: &str = "shard.jsonl";
+/// The results of claims.
+pub const CLAIMS: &str = "claims.json";
 /// The record of one run.
 pub const RUN_RECORD: &str = "run.json";
 /// The log of one run.
@@ -23,10 +25,10 @@ pub const JOBS: &str = "jobs.json";
 
 /// Files written at the end of a batch, and the shard list; the next batch removes them when it
 /// begins.
-pub const BATCH_OUTPUTS: [&str; 4] = [SUMMARY_CSV, SUMMARY_PARQUET, REPORT, SHARD_LIST];
+pub const BATCH_OUTPUTS: [&str; 5] = [SUMMARY_CSV, SUMMARY_PARQUET, REPORT, SHARD_LIST, CLAIMS];
 
 /// All files of a batch in its folder of results.
-pub const BATCH_FILES: [&str; 5] = [SUMMARY_CSV, SUMMARY_PARQUET, RUNS_LOG, REPORT, SHARD_LIST];
+pub const BATCH_FILES: [&str; 6] = [SUMMARY_CSV, SUMMARY_PARQUET, RUNS_LOG, REPORT, SHARD_LIST, CLAIMS];
 
 /// Files with the rows of runs, in the order of preference for reading.
 pub const SUMMARIES: [&str; 3] = [SUMMARY_CSV, SUMMARY_PARQUET, RUNS_LOG];
@@ -35,7 +37,7 @@ pub const SUMMARIES: [&str; 3] = [SUMMARY_CSV, SUMMARY_PARQUET, RUNS_LOG];
 pub const BATCH_MARKERS: [&str; 3] = [SHARD_LIST, RUNS_LOG, SUMMARY_CSV];
 
 /// Files that a table must not replace.
-pub const PROTECTED: [&str; 7] = [RUN_RECORD, JOBS, SHARD_LIST, RUNS_LOG, SUMMARY_CSV, SUMMARY_PARQUET, REPORT];
+pub const PROTECTED: [&str; 8] = [RUN_RECORD, JOBS, SHARD_LIST, RUNS_LOG, SUMMARY_CSV, SUMMARY_PARQUET, REPORT, CLAIMS];
 
 /// Files of one run that may be symbolic links.
 pub const LINKABLE: [&str; 2] = [RUN_RECORD, LOG];

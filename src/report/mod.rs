@@ -3,6 +3,7 @@
 //! | section | file |
 //! |---|---|
 //! | runs, machines and dates | `head` |
+//! | claims | `claims`, drawn by `claim_plot` |
 //! | error over cost | `cost_section`, drawn by `cost_plot` |
 //! | residuals | `residuals` |
 //! | runs over time, from their logs | `pictures`, drawn by `run_plot` |
@@ -17,6 +18,8 @@
 
 mod axis;
 mod canvas;
+mod claim_plot;
+mod claims;
 mod cost_plot;
 mod cost_section;
 mod expectations;
@@ -36,6 +39,7 @@ pub use rewrite::rewrite_results;
 
 use crate::files::names;
 use crate::files::{RecordError, atomic};
+use crate::results::claims::ClaimVerdict;
 use crate::results::pareto::Work;
 use crate::results::{FoundRun, Machine, RunRecord, RunStatistics, SummaryRow};
 use minijinja::syntax::SyntaxConfig;
@@ -104,10 +108,10 @@ pub fn write_report(
 ) -> Result<(), RecordError> {
     let mut statistics = RunStatistics::default();
     runs.iter().for_each(|run| statistics.add(run.row, run.origin, run.file(names::RUN_RECORD)));
-    write_report_of(path, results, (runs, &statistics), references, pictured)
+    write_report_of(path, results, (runs, &statistics), references, (pictured, &[]))
 }
 
-/// Writes the report on a sample of the runs, with the statistics of all.
+/// Writes the report on a sample of the runs, with the statistics of all and the results of claims.
 ///
 /// # Errors
 /// See [`write_report`].
@@ -116,9 +120,9 @@ pub fn write_report_of(
     results: &Path,
     (runs, statistics): (&[ReportRun], &RunStatistics),
     references: &[ReportRun],
-    pictured: &Pictured,
+    (pictured, claims): (&Pictured, &[ClaimVerdict]),
 ) -> Result<(), RecordError> {
-    let page = page(results, (runs, statistics), references, pictured)?;
+    let page = page(results, (runs, statistics), references, (pictured, claims))?;
     let html = render(&page).map_err(|source| RecordError::Report { path: path.to_owned(), source })?;
     let fill = |out: &mut BufWriter<File>| out.write_all(html.as_bytes()).map_err(RecordError::io(path));
     // A link in the folder of results is replaced, not followed.
@@ -138,11 +142,12 @@ pub fn write_report_of_found(
     results: &Path,
     (runs, statistics): (&[FoundRun], &RunStatistics),
     references: &[FoundRun],
+    claims: &[ClaimVerdict],
 ) -> Result<(), RecordError> {
     let rows = |runs: &[FoundRun]| runs.iter().map(|run| run.record.summary_row()).collect::<Vec<_>>();
     let (run_rows, reference_rows) = (rows(runs), rows(references));
     let (runs, references) = (found_runs(&run_rows, runs), found_runs(&reference_rows, references));
-    write_report_of(path, results, (&runs, statistics), &references, &Pictured::Few)
+    write_report_of(path, results, (&runs, statistics), &references, (&Pictured::Few, claims))
 }
 
 /// Runs read from their records, with their rows.
@@ -156,6 +161,7 @@ struct Page {
     head: head::Overview,
     /// Note on runs that are only counted.
     left_out: String,
+    claims: claims::Section,
     work: cost_section::Section,
     residuals: table::Table,
     pictures: pictures::Section,
@@ -170,12 +176,13 @@ fn page(
     results: &Path,
     (runs, statistics): (&[ReportRun], &RunStatistics),
     references: &[ReportRun],
-    pictured: &Pictured,
+    (pictured, claims): (&Pictured, &[ClaimVerdict]),
 ) -> Result<Page, RecordError> {
     let works: Vec<Work> = runs.iter().map(|run| Work::of(run.row)).collect();
     Ok(Page {
         head: head::head(statistics),
         left_out: left_out(statistics.runs() - runs.len()),
+        claims: claims::section(claims)?,
         work: cost_section::sections(&works)?,
         residuals: residuals::residuals(runs),
         pictures: pictures::pictures(runs, pictured)?,

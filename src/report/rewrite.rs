@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::files::{RecordError, remove_partial};
 use crate::report::{Pictured, found_runs, write_report_of};
+use crate::results::claims::read_claims;
 use crate::results::{FoundRun, Listing, SampledRuns, SummaryFiles, SummaryRow, write_summary_of};
 
 /// Writes summary and `page` of `folder` from the records listed in it. Runs at the positions `selected`
@@ -24,7 +25,8 @@ pub fn rewrite_results(
     let SampledRuns { statistics, runs } = rows.into_sampled();
     let (rows, reference_rows) = (summary_rows(&runs), summary_rows(&listing.references));
     let (shown, references) = (found_runs(&rows, &runs), found_runs(&reference_rows, &listing.references));
-    write_report_of(page, folder, (&shown, &statistics), &references, pictured)?;
+    let claims = read_claims(folder)?;
+    write_report_of(page, folder, (&shown, &statistics), &references, (pictured, &claims))?;
     Ok((files, rows))
 }
 

@@ -1,4 +1,4 @@
-//! JUnit XML for continuous integration: a suite per scenario, a case per run.
+//! JUnit XML for continuous integration: a suite per scenario, a case per run and claim.
 
 use crate::files::{RecordError, atomic};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::Path;
 use std::time::Duration;
 
-/// One run as a test case.
+/// One run, or one claim, as a test case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JunitCase {
     /// Its suite.
@@ -28,8 +28,10 @@ pub struct JunitCase {
 pub enum JunitStatus {
     /// As expected.
     Passed,
-    /// It finished, against an expectation.
+    /// It finished, against an expectation, or it is a claim that fails.
     Failed {
+        /// Kind of failure.
+        kind: &'static str,
         /// One line.
         message: String,
         /// All lines.
@@ -80,9 +82,9 @@ pub fn write_junit(path: &Path, cases: &[JunitCase], time: Duration) -> Result<(
 fn test_case(case: &JunitCase) -> TestCase {
     let status = match &case.status {
         JunitStatus::Passed => TestCaseStatus::success(),
-        JunitStatus::Failed { message, detail } => {
+        JunitStatus::Failed { kind, message, detail } => {
             let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-            status.set_type("expectation").set_message(clean(message)).set_description(clean(detail));
+            status.set_type(*kind).set_message(clean(message)).set_description(clean(detail));
             status
         }
         JunitStatus::Error { kind, message } => {

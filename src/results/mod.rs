@@ -6,6 +6,7 @@
 //! | `summary` | `summary.csv`, `summary.parquet`, statistics |
 //! | `runs_log`, `shard_list`, `junit` | `runs.jsonl`, `shard.jsonl`, JUnit XML |
 //! | `discovery` | finds the records below a folder |
+//! | `claims` | judges statements about all runs |
 //! | `merge` | merges shards into one folder |
 //! | `compare` | compares two results |
 //! | `pareto` | error over cost |
@@ -15,9 +16,10 @@
 //! whole. Simulated results depend on the run alone; wall-clock times have columns and an object of
 //! their own.
 //!
-//! Imports: `math`, `text`, `files`, `metrics`, `contact`, `sim`. Used by: `report`, `batch`,
+//! Imports: `math`, `statistics`, `text`, `files`, `metrics`, `contact`, `scenario`, `sim`. Used by: `report`, `batch`,
 //! `replay`, `view`, `submit`, `cli`.
 
+pub mod claims;
 pub mod compare;
 mod discovery;
 mod junit;

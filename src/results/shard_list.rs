@@ -7,6 +7,7 @@ use crate::files::input;
 pub use crate::files::names::SHARD_LIST;
 use crate::files::{KeyLevels, RecordError, atomic, confined, json};
 use crate::results::PROGRAM;
+use crate::results::claims::{ClaimHead, RunClaim};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -17,7 +18,7 @@ use std::path::{Path, PathBuf};
 pub const SHARD_SCHEMA: u32 = 1;
 
 /// The shard and its plan.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ShardHead {
     /// Format version, [`SHARD_SCHEMA`].
     pub schema: u32,
@@ -34,6 +35,9 @@ pub struct ShardHead {
     /// Hashes of the files that runs of the shard use, by their names in the scenarios.
     #[serde(default)]
     pub files: BTreeMap<String, String>,
+    /// The claims about the runs of all shards.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub claims: Vec<ClaimHead>,
 }
 
 /// Digits of a key.
@@ -51,6 +55,9 @@ pub struct ShardRun {
     /// Folders between that of the scenario and that of the run.
     #[serde(default, skip_serializing_if = "KeyLevels::is_none")]
     pub levels: KeyLevels,
+    /// Its parts in claims.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub claims: Vec<RunClaim>,
 }
 
 impl ShardRun {
@@ -70,7 +77,16 @@ impl ShardRun {
 impl ShardHead {
     /// The head of a shard of this program.
     pub fn new(shard: u64, of: u64, runs: usize, plan: String, files: BTreeMap<String, String>) -> Self {
-        ShardHead { schema: SHARD_SCHEMA, program: PROGRAM.to_owned(), shard, of, runs, plan, files }
+        ShardHead {
+            schema: SHARD_SCHEMA,
+            program: PROGRAM.to_owned(),
+            shard,
+            of,
+            runs,
+            plan,
+            files,
+            claims: Vec::new(),
+        }
     }
 
     /// A file that another shard found with other bytes.

@@ -5,6 +5,7 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
+use super::claims::{self, PlannedClaim};
 use super::file::ScenarioFile;
 use super::inputs::{Files, Input};
 use super::reference::Reference;
@@ -34,6 +35,9 @@ pub struct Expansion {
     worlds: Mutex<Worlds>,
     base: Arc<Node>,
     grid: Grid,
+    claims: Vec<PlannedClaim>,
+    /// Warnings about the claims.
+    claim_warnings: Diagnostics,
     /// A hash of all values as written, sweep included.
     definition: [u8; 32],
     /// Files read so far; their bytes do not change between runs.
@@ -59,11 +63,19 @@ impl ScenarioFile {
             findings.append(scenario::read(&base).1);
             return Err(findings.into_diagnostics(&sources));
         }
+        let claims = claims::read(&base, &grid, &fixed, &mut findings);
+        if findings.has_errors() {
+            findings.append(scenario::read(&base).1);
+            return Err(findings.into_diagnostics(&sources));
+        }
+        let claim_warnings = findings.into_diagnostics(&sources);
         let definition = definition(&base);
         base.remove("sweep");
+        // A claim changes no run.
+        base.remove("claim");
         let (files, worlds) = Default::default();
         let (sources, base) = (Mutex::new(sources), Arc::new(base));
-        Ok(Expansion { file: self.clone(), sources, worlds, base, grid, definition, files })
+        Ok(Expansion { file: self.clone(), sources, worlds, base, grid, claims, claim_warnings, definition, files })
     }
 }
 
@@ -86,6 +98,16 @@ impl Expansion {
     /// Number of runs that differ in their seeds alone, and follow each other.
     pub fn repetitions(&self) -> usize {
         self.grid.repeat.max(1) as usize
+    }
+
+    /// The claims about its runs.
+    pub fn claims(&self) -> &[PlannedClaim] {
+        &self.claims
+    }
+
+    /// Warnings about the claims.
+    pub fn claim_warnings(&self) -> &Diagnostics {
+        &self.claim_warnings
     }
 
     /// True if the key is swept, as a whole or in part.

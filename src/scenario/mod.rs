@@ -10,10 +10,11 @@
 //! Reads the files that a scenario names, but opens no robot file and simulates nothing. `assemble`
 //! and `batch` call it.
 //!
-//! Imports: `math`, `text`, `geometry`, `random`, `files`, `metrics`, `sdf`, `robot`, `contact`.
-//! Used by: `assemble`, `batch`, `replay`, `console`, `api`, `cli`.
+//! Imports: `math`, `statistics`, `text`, `geometry`, `random`, `files`, `metrics`, `sdf`, `robot`, `contact`.
+//! Used by: `assemble`, `results`, `batch`, `replay`, `console`, `api`, `cli`.
 
 mod checks;
+mod claims;
 mod decode;
 mod events;
 mod expansion;
@@ -37,12 +38,14 @@ pub use crate::metrics::METRICS;
 pub use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
 pub(crate) use crate::text::toml_syntax::segment;
 pub use checks::host_and_port;
+pub use claims::{ClaimPlace, PlannedClaim};
 pub use events::Event;
 pub use expansion::Expansion;
 pub use expansion_check::{CheckedCell, CheckedCells, ExpansionCheck};
 pub use file::{ScenarioFile, load, parse};
 pub use format::{
     change::ChangeSpec,
+    claim::{ClaimSpec, ShareQuestion},
     compare::{CompareSpec, TruthMetric},
     contact::{ContactMethod, ContactSpec, EventHandling, ForcedState, IntegratorMethod, IntegratorSpec},
     contact_pair::ContactPair,

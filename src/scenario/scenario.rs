@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::checks;
 use super::decode::{DecodeError, NodeDeserializer};
 use crate::scenario::findings::Findings;
+use crate::scenario::format::claim::ClaimSpec;
 use crate::scenario::format::compare::CompareSpec;
 use crate::scenario::format::contact::{ContactSpec, IntegratorSpec};
 use crate::scenario::format::control::ControlSpec;
@@ -86,6 +87,9 @@ pub struct Scenario {
     pub stop: StopSpec,
     /// Expectations by which a run is judged.
     pub expect: Vec<Expect>,
+    /// Claims about all runs of the sweep. Empty in an expanded run.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub claim: Vec<ClaimSpec>,
     /// Sweep: many runs from one file. Empty in an expanded run.
     #[serde(skip_serializing_if = "SweepSpec::is_single")]
     pub sweep: SweepSpec,
@@ -126,6 +130,7 @@ impl Default for Scenario {
             log: LogSpec::default(),
             stop: StopSpec::default(),
             expect: Vec::new(),
+            claim: Vec::new(),
             sweep: SweepSpec::default(),
             compare: None,
         }
@@ -176,6 +181,7 @@ pub(super) fn read(root: &Node) -> (Option<Scenario>, Findings) {
         log: part.value("log", default.log),
         stop: part.value("stop", default.stop),
         expect: part.list("expect"),
+        claim: part.list("claim"),
         sweep: part.value("sweep", default.sweep),
         compare: part.with("compare", None, |d| CompareSpec::deserialize(d).map(Some)),
     };

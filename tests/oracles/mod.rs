@@ -1,6 +1,7 @@
 //! Comparison with independent libraries. Each `make_*.py` writes a JSON file of this folder and is
 //! run by hand.
 
+mod binomial;
 mod collision;
 mod contact;
 mod context;

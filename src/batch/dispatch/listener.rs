@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use crate::batch::{Finished, Job};
+use crate::results::claims::ClaimVerdict;
 
 /// Receives the events of a batch in order, on one thread. Repetitions for timing are not reported.
 pub trait Listener {
@@ -29,6 +30,16 @@ pub trait Listener {
     /// The run ended and its files are written.
     fn finished(&mut self, job: &Job, finished: &Finished) {
         let _ = (job, finished);
+    }
+
+    /// The run at a position of the plan was not started, since its claims are decided.
+    fn not_needed(&mut self, index: usize) {
+        let _ = index;
+    }
+
+    /// A claim is judged; called when all runs have ended.
+    fn judged(&mut self, verdict: &ClaimVerdict) {
+        let _ = verdict;
     }
 }
 
@@ -60,5 +71,13 @@ impl Listener for Vec<&mut dyn Listener> {
 
     fn finished(&mut self, job: &Job, finished: &Finished) {
         self.iter_mut().for_each(|l| l.finished(job, finished));
+    }
+
+    fn not_needed(&mut self, index: usize) {
+        self.iter_mut().for_each(|l| l.not_needed(index));
+    }
+
+    fn judged(&mut self, verdict: &ClaimVerdict) {
+        self.iter_mut().for_each(|l| l.judged(verdict));
     }
 }

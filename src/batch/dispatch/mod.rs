@@ -2,9 +2,10 @@
 //!
 //! [`schedule`] hands out work; [`workers`] and [`repetitions`] do it. [`dispatcher`] receives
 //! their [`event`]s, prints [`progress`] and calls the [`listener`]. [`cancellation`] ends runs;
-//! [`finished_runs`] stores results.
+//! [`finished_runs`] stores results, and [`claim_watch`] judges claims by them.
 
 pub(in crate::batch) mod cancellation;
+pub(in crate::batch) mod claim_watch;
 pub(in crate::batch) mod dispatcher;
 pub(in crate::batch) mod event;
 pub(in crate::batch) mod finished_runs;

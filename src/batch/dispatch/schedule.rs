@@ -78,6 +78,28 @@ impl<'a> Schedule<'a> {
         }
     }
 
+    /// Removes waiting runs, and the references that only they need.
+    pub fn drop_runs(&self, is_dropped: &dyn Fn(usize) -> bool) {
+        let mut state = self.lock();
+        let State { waiting, references } = &mut *state;
+        let mut dropped = vec![false; references.len()];
+        waiting.retain(|work| match work {
+            Work::Run(index) if is_dropped(*index) => {
+                if let Some(i) = self.plan.reference_of(*index) {
+                    references[i].needed -= 1;
+                    dropped[i] = true;
+                }
+                false
+            }
+            _ => true,
+        });
+        for (i, reference) in references.iter_mut().enumerate().filter(|(i, r)| dropped[*i] && r.needed == 0) {
+            reference.result = None;
+            waiting.retain(|work| *work != Work::Reference(i));
+        }
+        self.changed.notify_all();
+    }
+
     /// Records the end of a reference and wakes waiting threads.
     pub fn end_reference(&self, reference: usize, result: Result<ReferenceMotion, RunError>) {
         let mut state = self.lock();

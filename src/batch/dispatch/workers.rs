@@ -8,6 +8,7 @@ use crate::results::ReferenceMotion;
 use crate::sim::RunError;
 
 use crate::batch::dispatch::cancellation::Gate;
+use crate::batch::dispatch::claim_watch::ClaimWatch;
 use crate::batch::dispatch::event::{Event, Work};
 use crate::batch::dispatch::schedule::Schedule;
 use crate::batch::run::job_run;
@@ -18,7 +19,7 @@ pub(in crate::batch) fn work(
     pool: &rayon::ThreadPool,
     plan: &Plan,
     options: &Options,
-    schedule: &Schedule<'_>,
+    (schedule, claims): (&Schedule<'_>, &ClaimWatch<'_>),
     gate: &Gate,
     events: &Sender<Event>,
     body: &Body<'_>,
@@ -53,6 +54,8 @@ pub(in crate::batch) fn work(
                 // Counted here for the same reason.
                 gate.count_failure(options.max_fail);
             }
+            // Also here, so that this thread starts no run that is not needed.
+            claims.finished(work, &finished.row, schedule);
             let _ = events.send(Event::Finished { work, finished: Box::new(finished) });
         }
     });

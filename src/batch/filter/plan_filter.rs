@@ -15,6 +15,7 @@ impl Plan {
             self.jobs().filter(|job| selection.takes(&job.run, &job.key)).map(|job| job.index).collect();
         selection.end()?;
         self.keep(&selected);
+        self.restrict_claims();
         self.filter = Some(filter.to_string());
         Ok(())
     }

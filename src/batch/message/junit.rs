@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use crate::batch::{BatchError, Finished, Job, Listener, Plan, Role};
 use crate::files::names::BATCH_FILES;
 use crate::files::{OutputKind, RecordError, check_replaceable};
+use crate::results::claims::{ClaimVerdict, Judgement};
 use crate::results::{JunitCase, JunitStatus, Verdict, write_junit};
 use crate::sim::Outcome;
 use crate::text::plural::plural;
@@ -19,6 +20,7 @@ pub struct Junit {
     since: Instant,
     runs: Vec<JunitCase>,
     references: Vec<JunitCase>,
+    claims: Vec<JunitCase>,
 }
 
 impl Junit {
@@ -67,10 +69,11 @@ impl Junit {
             since: Instant::now(),
             runs: plan.jobs().map(&case).collect(),
             references: (0..plan.references()).map(|index| case(plan.reference(index))).collect(),
+            claims: Vec::new(),
         })
     }
 
-    /// Writes the whole file in the order of the plan, reference runs first in their suites.
+    /// Writes the whole file in the order of the plan, in each suite reference runs first and claims last.
     ///
     /// # Errors
     /// It cannot be written.
@@ -80,7 +83,7 @@ impl Junit {
             let next = order.len();
             order.entry(case.suite.clone()).or_insert(next);
         }
-        let mut cases: Vec<JunitCase> = self.references.into_iter().chain(self.runs).collect();
+        let mut cases: Vec<JunitCase> = self.references.into_iter().chain(self.runs).chain(self.claims).collect();
         cases.sort_by_key(|case| order.get(&case.suite).copied());
         write_junit(&self.path, &cases, self.since.elapsed())?;
         Ok(self.path)
@@ -115,6 +118,31 @@ impl Listener for Junit {
         if finished.accepted && !row.message.is_empty() {
             case.output.push(row.message.clone());
         }
+    }
+
+    fn not_needed(&mut self, index: usize) {
+        if let Some(case) = self.runs.get_mut(index) {
+            case.status = JunitStatus::Skipped { message: "not needed: its claims are decided".into() };
+        }
+    }
+
+    fn judged(&mut self, verdict: &ClaimVerdict) {
+        let message = verdict.summary();
+        let status = match verdict.verdict {
+            Judgement::Holds => JunitStatus::Passed,
+            Judgement::Fails => {
+                JunitStatus::Failed { kind: "claim", detail: message.clone(), message: message.clone() }
+            }
+            Judgement::Undecided => JunitStatus::Skipped { message: message.clone() },
+        };
+        self.claims.push(JunitCase {
+            suite: verdict.scenario.clone(),
+            name: format!("claim: {}", verdict.name()),
+            time: None,
+            status,
+            properties: vec![("verdict", verdict.verdict.name().into()), ("counted", verdict.used.to_string())],
+            output: vec![message],
+        });
     }
 }
 
@@ -151,7 +179,11 @@ fn status(finished: &Finished) -> JunitStatus {
             let broken: Vec<&Verdict> = row.verdicts.iter().filter(|v| !v.held).collect();
             let count = plural(broken.len(), "broken expectation");
             let message = format!("{count} of {}: {}", row.verdicts.len(), row.message);
-            JunitStatus::Failed { message, detail: broken.into_iter().map(detail).collect::<Vec<_>>().join("\n") }
+            JunitStatus::Failed {
+                kind: "expectation",
+                message,
+                detail: broken.into_iter().map(detail).collect::<Vec<_>>().join("\n"),
+            }
         }
         // A cancelled run has no result.
         Outcome::Cancelled => JunitStatus::Skipped { message: "interrupted".into() },

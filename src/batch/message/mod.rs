@@ -15,6 +15,7 @@ use std::collections::BTreeMap;
 use schemars::{JsonSchema, Schema, json_schema};
 use serde::Serialize;
 
+use crate::results::claims::ClaimVerdict;
 use crate::results::{Measure, ParamValue, Verdict};
 use crate::sim::Outcome;
 
@@ -46,6 +47,8 @@ pub enum Message {
     RunSlow(RunSlow),
     /// A run ended and its files are written.
     RunFinished(Box<RunFinished>),
+    /// A claim is judged; after all runs.
+    ClaimJudged(Box<ClaimVerdict>),
     /// The last line of `runner run`, unless the command line itself was wrong.
     BatchFinished(BatchFinished),
     /// The last line of `runner check`.
@@ -158,6 +161,10 @@ pub struct BatchFinished {
     pub outcomes: BTreeMap<&'static str, usize>,
     /// Runs that were never started.
     pub not_started: usize,
+    /// Runs that were not started, since their claims are decided.
+    pub not_needed: usize,
+    /// Number of claims by verdict.
+    pub claims: BTreeMap<&'static str, usize>,
     /// True if it was interrupted.
     pub interrupted: bool,
     /// Files about the batch as a whole.

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use super::{BatchFinished, BatchStarted, Message, RunFinished, RunMessage, RunSlow};
 use crate::batch::{Finished, Job, Listener, Options, Plan, Report, Role, is_slow};
+use crate::results::claims::ClaimVerdict;
 use crate::results::{NUMERIC_COLUMNS, PROGRAM, measure, truth_columns};
 
 /// Converts events to message lines and passes them to a callback.
@@ -39,6 +40,11 @@ impl<F: FnMut(String)> Listener for MessageWriter<F> {
 
     fn finished(&mut self, job: &Job, finished: &Finished) {
         self.emit_finished(job, finished, false);
+    }
+
+    fn judged(&mut self, verdict: &ClaimVerdict) {
+        // The history is in `claims.json`.
+        self.emit(Message::ClaimJudged(Box::new(ClaimVerdict { trace: Vec::new(), ..verdict.clone() })));
     }
 }
 
@@ -97,12 +103,17 @@ impl BatchFinished {
     pub fn new(report: &Report, junit: Option<&Path>) -> Self {
         let mut finished = BatchFinished {
             not_started: report.not_started,
+            not_needed: report.not_needed,
             interrupted: report.interrupted,
             ..BatchFinished::default()
         };
         finished.outcomes.extend(report.statistics.outcomes());
+        for claim in &report.claims {
+            *finished.claims.entry(claim.verdict.name()).or_default() += 1;
+        }
         let summary = report.summary.iter().flat_map(|files| [&files.csv, &files.parquet]);
-        let own = summary.chain(&report.page).chain([&report.runs_log]).map(PathBuf::as_path);
+        let own =
+            summary.chain(&report.page).chain(&report.claims_file).chain([&report.runs_log]).map(PathBuf::as_path);
         finished.files = own.chain(junit).map(|path| path.display().to_string()).collect();
         finished
     }

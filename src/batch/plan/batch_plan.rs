@@ -1,12 +1,14 @@
 //! The plan of a batch: compact tickets, expanded to jobs on demand.
 
 use crate::files::{KeyLevels, names};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use crate::batch::plan::plan_claims::PlanClaims;
 use crate::batch::plan::robot_cache::Robots;
 use crate::batch::{Options, Part};
+use crate::results::claims::RunClaim;
 use crate::results::{ParamValue, is_truth};
 use crate::robot::Robot;
 use crate::scenario::{Expansion, Run};
@@ -23,6 +25,8 @@ pub struct Plan {
     pub files: Vec<PathBuf>,
     /// The shard that this plan is; none for a whole plan.
     pub part: Option<Part>,
+    /// The claims about the runs of all shards.
+    pub(in crate::batch) claims: Arc<PlanClaims>,
     /// The filter that selected the runs.
     pub(in crate::batch) filter: Option<String>,
     /// Hashes of files that the runs use, by their names in the scenarios.
@@ -150,6 +154,24 @@ impl Plan {
     pub(in crate::batch) fn position_in_whole(&self, index: usize) -> usize {
         let Ticket { source, number, .. } = self.runs[index];
         self.sources[source as usize].first + number as usize
+    }
+
+    /// True if the plan is one of several shards.
+    pub(in crate::batch) fn is_part(&self) -> bool {
+        self.part.as_ref().is_some_and(|part| part.head.of > 1)
+    }
+
+    /// The parts of the run at a position in claims.
+    pub(in crate::batch) fn claims_of(&self, index: usize) -> impl Iterator<Item = RunClaim> {
+        let Ticket { source, number, .. } = self.runs[index];
+        self.claims.of_run(source as usize, number as usize)
+    }
+
+    /// Restricts the claims to the runs of the plan.
+    pub(in crate::batch) fn restrict_claims(&mut self) {
+        let selected: HashSet<(usize, usize)> =
+            self.runs.iter().map(|ticket| (ticket.source as usize, ticket.number as usize)).collect();
+        self.claims = Arc::new(PlanClaims::new(&self.sources, &|source, number| selected.contains(&(source, number))));
     }
 
     /// Number of runs of a scenario file.

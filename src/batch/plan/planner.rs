@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use crate::batch::plan::batch_plan::{NONE, Plan, Source, Ticket, Traits};
 use crate::batch::plan::finding::MAX_ERRORS;
+use crate::batch::plan::plan_claims::PlanClaims;
 use crate::batch::plan::robot_cache::Robots;
 use crate::batch::plan::run_check::{CheckedRun, CheckedRuns, FileIdentity, RunCheck, RunFinding};
 use crate::batch::{Finding, Findings, Shard};
@@ -163,7 +164,9 @@ impl Planner {
         }
         let robots = Arc::new(Mutex::new(robots.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)));
         let references = references.tickets;
-        let mut plan = Plan { runs, references, sources, robots, files, part: None, swept: None, filter: None, used };
+        let claims = Arc::new(PlanClaims::of_all(&sources));
+        let mut plan =
+            Plan { runs, references, sources, robots, files, part: None, swept: None, claims, filter: None, used };
         if let Some(shard) = self.shard {
             plan.set_part(shard, self.total);
         }
@@ -188,6 +191,7 @@ impl Planner {
             Err(diagnostics) => return self.findings.extend(diagnostics),
             Ok((warnings, unused)) => {
                 self.findings.extend(warnings);
+                self.findings.extend(expansion.claim_warnings().clone());
                 // In a part, other runs may use what its runs do not.
                 if self.checks_all(&expansion) || !expansion.sweeps("contact.method") {
                     self.findings.extend(unused);

@@ -218,6 +218,7 @@ impl Plan {
     /// States that its runs are those of a shard, of `all` runs.
     pub(super) fn set_part(&mut self, shard: Shard, all: usize) {
         let head = ShardHead::new(shard.number, shard.of.get(), all, self.hash(), self.used.clone());
+        let head = ShardHead { claims: self.claims.heads.clone(), ..head };
         self.part = Some(Part { head });
     }
 
@@ -228,6 +229,7 @@ impl Plan {
             scenario: self.scenario(i).to_owned(),
             key: self.key(i),
             levels: self.levels(i),
+            claims: self.claims_of(i).collect(),
         })
     }
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::batch::marks_implausible;
 use crate::files::{make_durable, names};
 use crate::report::write_report_of_found;
+use crate::results::claims::{Judgement, claim_table};
 use crate::results::merge::{MergeError, Merged, Shards};
 use crate::results::{endings, overview};
 use crate::text::visible::{visible_lines, visible_path};
@@ -56,9 +57,16 @@ impl Merge {
         let merged = shards.write(&self.output, &missing).map_err(refused)?;
         let page = self.output.join(names::REPORT);
         let runs = (merged.runs.as_slice(), &merged.statistics);
-        write_report_of_found(&page, &self.output, runs, &merged.references).map_err(|error| refused(error.into()))?;
+        write_report_of_found(&page, &self.output, runs, &merged.references, &merged.claims)
+            .map_err(|error| refused(error.into()))?;
         print(&visible_lines(&summary(&merged, &page)))?;
-        Ok(Exit::of_ending(Ending { interrupted: None, unfinished: merged.unfinished > 0, failed: merged.failed > 0 }))
+        let is_any = |judgement| merged.claims.iter().any(|claim| claim.verdict == judgement);
+        Ok(Exit::of_ending(Ending {
+            interrupted: None,
+            unfinished: merged.unfinished > 0,
+            failed: merged.failed > 0 || is_any(Judgement::Fails),
+            undecided: is_any(Judgement::Undecided),
+        }))
     }
 }
 
@@ -72,8 +80,14 @@ fn summary(merged: &Merged, page: &Path) -> String {
     if !failed.is_empty() {
         out += &format!("\n{failed}");
     }
+    let claims = claim_table(&merged.claims, width());
+    if !claims.is_empty() {
+        out += &format!("\n{claims}");
+    }
     out += "\nwritten:\n";
-    for path in [&*merged.summary.csv, &merged.summary.parquet, &merged.runs_log, page] {
+    let claims = merged.claims_file.as_deref();
+    let files = [&*merged.summary.csv, &merged.summary.parquet, &merged.runs_log, page];
+    for path in files.into_iter().chain(claims) {
         // Writing to a String cannot fail.
         let _ = writeln!(out, "  {}", visible_path(path));
     }

@@ -12,6 +12,7 @@ use crate::batch::{
 };
 use crate::files::make_durable;
 use crate::remote::Pace;
+use crate::results::claims::claim_table;
 use crate::results::pareto::{Work, pareto_table};
 use crate::results::{ListedVerdicts, endings, overview, table, verdicts};
 use crate::text::visible::{visible, visible_path};
@@ -242,10 +243,12 @@ pub(super) fn summary(report: &Report, shows: Shows) -> String {
     if let Some(shown) = shown(shows) {
         out += &part(verdicts(&rows, shown, width));
     }
+    out += &part(claim_table(&report.claims, width));
     out += &remarks(report, shows);
     let Some(files) = &report.summary else { return out };
     out += "\nwritten:\n";
-    let batch = [&files.csv, &files.parquet, &report.runs_log].into_iter().chain(&report.page).map(PathBuf::as_path);
+    let batch = [&files.csv, &files.parquet, &report.runs_log].into_iter().chain(&report.page);
+    let batch = batch.chain(&report.claims_file).map(PathBuf::as_path);
     let runs = report.references.iter().chain(&report.finished).filter(|_| shows.verbose).flat_map(|f| &f.files);
     for path in batch.chain(shows.junit).chain(runs.map(PathBuf::as_path)) {
         // Writing to a String cannot fail.
@@ -268,6 +271,9 @@ fn remarks(report: &Report, shows: Shows) -> String {
     let mut lines = Vec::new();
     if report.not_started > 0 {
         lines.push(format!("{} not started", plural(report.not_started, "run")));
+    }
+    if report.not_needed > 0 {
+        lines.push(format!("{} not started, since their claims are decided", plural(report.not_needed, "run")));
     }
     for run in report.references.iter().chain(&report.finished).filter(|r| is_slow(shows.slow, r.row.wall_s)) {
         let row = &run.row;

@@ -160,6 +160,7 @@ fn wait_for_merge(sweep: &Sweep, submitted: Submitted) -> Result<Exit, Exit> {
         Ok(1) => Exit::Failed,
         Ok(2) => Exit::Invalid,
         Ok(3) => Exit::Unfinished,
+        Ok(5) => Exit::Undecided,
         Ok(code) => {
             complain_of(format!("the merge ended with exit code {code}, which merge does not use"));
             Exit::Invalid

@@ -22,6 +22,10 @@ impl Display for Changes {
             writeln!(f, "outcome: {}: {} in A, {} in B", visible(&change.run), visible(&change.a), visible(&change.b))?;
         }
         more(f, self.outcomes.len(), omitted.outcomes, "outcomes")?;
+        for change in self.claims.iter().take(MAX_LISTED) {
+            writeln!(f, "claim: {}: {} in A, {} in B", visible(&change.claim), change.a, change.b)?;
+        }
+        more(f, self.claims.len(), 0, "claims")?;
         if !self.beyond.is_empty() {
             let header = ["beyond", "run", "A", "B", "distance", "allowed"];
             let lines = self.beyond.iter().take(MAX_LISTED).map(|d| {

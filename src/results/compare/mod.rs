@@ -16,6 +16,7 @@
 //! `runner report` call it.
 
 mod changes_text;
+mod claim_changes;
 mod columns;
 mod csv_rows;
 mod file_spans;
@@ -30,6 +31,9 @@ mod tolerance;
 
 use serde::Serialize;
 
+use crate::files::RecordError;
+
+pub use claim_changes::ClaimChange;
 pub use result_row::ResultRow;
 pub use results::{Results, ResultsError};
 pub use row_source::ResultsErrorCause;
@@ -53,6 +57,9 @@ pub struct Changes {
     pub columns_in_one: Vec<String>,
     /// Runs with different outcomes.
     pub outcomes: Vec<OutcomeChange>,
+    /// Claims of both with different verdicts.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub claims: Vec<ClaimChange>,
     /// Values beyond the tolerance, in the order of A's rows.
     pub beyond: Vec<Difference>,
     /// Columns with any difference.
@@ -94,6 +101,9 @@ pub enum CompareError {
     /// One of them cannot be read.
     #[error(transparent)]
     Results(#[from] ResultsError),
+    /// The claims of one of them cannot be read.
+    #[error(transparent)]
+    Claims(#[from] RecordError),
 }
 
 /// A run with different outcomes.
@@ -140,10 +150,10 @@ pub struct ColumnChange {
 }
 
 impl Changes {
-    /// True if all runs match within the tolerances.
+    /// True if all runs match within the tolerances, and claims have the same verdicts.
     pub fn is_within(&self) -> bool {
         let missing = !self.only_in_a.is_empty() || !self.only_in_b.is_empty();
-        !missing && self.outcomes.is_empty() && self.beyond.is_empty()
+        !missing && self.outcomes.is_empty() && self.claims.is_empty() && self.beyond.is_empty()
     }
 }
 
@@ -196,6 +206,7 @@ pub fn compare(a: &mut Results, b: &mut Results, limits: &Limits) -> Result<Chan
         b.read(position, &mut row_b)?;
         push(&mut changes.only_in_b, &mut changes.omitted.only_in_b, || row_b.label());
     }
+    changes.claims = claim_changes::claim_changes(a, b)?;
     changes.columns = found.into_iter().filter(|column| column.differ > 0).collect();
     Ok(changes)
 }

@@ -1,6 +1,7 @@
 //! Writes the results of all shards into one folder.
 
 use crate::files::{RecordError, confined, if_present, names, remove_partial};
+use crate::results::claims::{ClaimVerdict, Tally, write_claims};
 use crate::results::discovery::FoundRun;
 use crate::results::merge::copy_run::copy_run;
 use crate::results::merge::merge_error::MergeError;
@@ -25,6 +26,10 @@ pub struct Merged {
     pub summary: SummaryFiles,
     /// `runs.jsonl`.
     pub runs_log: PathBuf,
+    /// Results of the claims.
+    pub claims: Vec<ClaimVerdict>,
+    /// `claims.json`; none without claims.
+    pub claims_file: Option<PathBuf>,
     /// Number of runs and reference runs that did not finish as expected.
     pub unfinished: usize,
     /// Number of runs with a failed expectation.
@@ -55,6 +60,7 @@ impl Shards {
         }
         let (mut statistics, mut sample) = (RunStatistics::default(), BoundedSample::default());
         let (mut unfinished, mut failed) = (0, 0);
+        let mut tally = Tally::new(self.heads.first().map(|head| head.claims.clone()).unwrap_or_default());
         self.for_each_run(&mut |holders| {
             let to = holders[0].run.folder(output);
             confined::check(output, &to)?;
@@ -73,6 +79,9 @@ impl Shards {
             let run = read(to.join(names::RUN_RECORD))?;
             let (row, record) = (run.record.summary_row(), &run.record);
             log.push(&row)?;
+            for part in &holder.run.claims {
+                tally.add(*part, &row);
+            }
             let origin = Some((record.program.as_str(), &record.timing.machine));
             statistics.add(&row, origin, run.files.first().map(PathBuf::as_path));
             failed += usize::from(row.outcome == Outcome::Failed);
@@ -82,7 +91,10 @@ impl Shards {
         })?;
         let summary = write_summary_of(output, &MergedRows { shards: self, output })?;
         unfinished += references.iter().filter(|r| r.record.summary_row().is_refused()).count();
-        Ok(Merged { statistics, runs: sample.into_sorted(), references, summary, runs_log, unfinished, failed })
+        let claims = tally.verdicts();
+        let claims_file = write_claims(output, &claims)?;
+        let runs = sample.into_sorted();
+        Ok(Merged { statistics, runs, references, summary, runs_log, claims, claims_file, unfinished, failed })
     }
 }
 

@@ -1,6 +1,7 @@
 //! Checks rules that involve several values of a scenario. Each error is shown at the value that
 //! breaks the rule.
 
+mod claim;
 mod event;
 mod force;
 mod object;
@@ -28,6 +29,8 @@ const MAX_LOG_RATE: f64 = 1e9;
 
 /// Greatest number of entries of a list; some checks compare all pairs.
 const MAX_ENTRIES: usize = 10_000;
+
+pub(super) use claim::check_claims;
 
 /// Checks of a scenario whose single values are valid.
 struct Check<'a> {

@@ -71,7 +71,8 @@ impl ExpectedOutcome {
     }
 }
 
-fn metric<'de, D: Deserializer<'de>>(d: D) -> Result<Option<String>, D::Error> {
+/// A numeric column of the summary.
+pub(super) fn metric<'de, D: Deserializer<'de>>(d: D) -> Result<Option<String>, D::Error> {
     let name = String::deserialize(d)?;
     let is_error = name.strip_prefix("error_").is_some_and(|of| METRICS.contains(&of));
     if METRICS.contains(&name.as_str()) || is_error {

@@ -3,6 +3,7 @@
 //! Doc comments of these types are the descriptions of the JSON Schema and of the reference page.
 
 pub mod change;
+pub mod claim;
 pub mod compare;
 pub mod contact;
 pub mod contact_pair;

@@ -176,6 +176,9 @@ impl<'a> GroupCollector<'a, '_> {
             return Err(refuse(format!("`{}` is one too many: at most {MAX_KEYS} keys are swept", entry.key)));
         }
         let path = KeyPath::parse(&entry.key, &entry.key_span, self.sources).map_err(|e| (e.span, e.message))?;
+        if path.segments[0].0 == "claim" {
+            return Err(refuse(format!("`{}` cannot be swept: a claim is about all runs", entry.key)));
+        }
         if ["sweep", "schema"].contains(&path.segments[0].0.as_str()) {
             return Err(refuse(format!("`{}` cannot be swept", entry.key)));
         }
@@ -219,9 +222,13 @@ impl<'a> Group<'a> {
     /// Generates the values. `root` is the scenario's tree with its overrides.
     pub fn dimension(self, length: usize, root: &Node, findings: &mut Findings) -> Dimension {
         let part = self.part;
+        let sampling = self.keys.iter().find_map(|swept| match swept.source {
+            ValueSource::Drawn(random, _) => Some(random.sampling),
+            _ => None,
+        });
         let keys: Vec<Key> = self.keys.into_iter().filter_map(|swept| swept.key(root, findings)).collect();
         refuse_duplicates(&keys, length, part, findings);
-        Dimension { keys, length }
+        Dimension { keys, length, sampling }
     }
 }
 

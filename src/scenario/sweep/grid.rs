@@ -5,6 +5,7 @@ use serde::Deserialize;
 use super::dimensions::{self, Group};
 use crate::scenario::decode::NodeDeserializer;
 use crate::scenario::findings::Findings;
+use crate::scenario::format::random::Sampling;
 use crate::scenario::format::sweep::SweepSpec;
 use crate::scenario::key_path::KeyPath;
 use crate::text::source::{Sources, Span};
@@ -26,6 +27,8 @@ pub struct Grid {
 pub struct Dimension {
     pub keys: Vec<Key>,
     pub length: usize,
+    /// How the values were drawn; none unless they are samples of `random`.
+    pub sampling: Option<Sampling>,
 }
 
 /// A swept key with one value per index of its dimension; an overridden key has one value. None
@@ -88,6 +91,19 @@ impl Grid {
     /// True if a swept key is, contains or is part of the value at this path.
     pub fn overlaps(&self, path: &KeyPath) -> bool {
         self.dimensions.iter().flat_map(|dimension| &dimension.keys).any(|key| key.path.overlaps(path))
+    }
+
+    /// The dimensions in the order of the file, each with the distance of the numbers of runs that
+    /// are neighbours in it.
+    pub fn strided(&self) -> Vec<(usize, &Dimension)> {
+        let mut stride = self.repeat as usize;
+        let mut all = Vec::new();
+        for dimension in self.dimensions.iter().rev() {
+            all.push((stride, dimension));
+            stride *= dimension.length;
+        }
+        all.reverse();
+        all
     }
 
     /// One combination, the last dimension changing fastest.

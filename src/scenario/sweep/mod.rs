@@ -12,4 +12,4 @@ mod grid;
 mod random;
 
 pub use grid::MAX_BATCH_RUNS;
-pub(super) use grid::{Cell, Grid};
+pub(super) use grid::{Cell, Dimension, Grid, Key};
