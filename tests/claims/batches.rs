@@ -65,8 +65,8 @@ fn a_batch_ends_early_with_the_same_verdicts_for_any_number_of_threads() {
     for threads in ["2", "5"] {
         run(&place, threads, &["-j", threads]).exits(0);
         assert_eq!(text(&place, threads), text(&place, "one"));
-        // Runs that other threads had begun are kept, but do not count.
-        assert!((ran..ran + 8).contains(&runs(&place, threads)));
+        // Runs that other threads did while one that counts was not finished are kept, but do not count.
+        assert!((ran..=160).contains(&runs(&place, threads)));
     }
     // All runs give the same verdicts: those after the decision do not count.
     place.block(
