@@ -17,6 +17,7 @@ pub fn humanoid([leg, arm, torso]: [usize; 3]) -> Model {
         home: vec![],
         couplings: Vec::new(),
         loops: Vec::new(),
+        keyframes: Vec::new(),
         transmissions: Vec::new(),
     };
     model.links.push(link(None, 0, 10.0));

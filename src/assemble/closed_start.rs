@@ -14,6 +14,8 @@ const CLOSED_RATE: f64 = 1e-9;
 
 /// Keys of the scenario that give a mechanism's joints.
 pub(super) struct Given<'a> {
+    /// The posture of all other joints: that of a keyframe, or home.
+    pub base: &'a [f64],
     /// Joints with a position, and its key.
     pub posture: &'a [(JointId, f64)],
     pub posture_key: &'a str,
@@ -24,8 +26,8 @@ pub(super) struct Given<'a> {
     pub model_key: &'a str,
 }
 
-/// Parts in which joints are moved from home to the posture given, closing the loops each time: these stay
-/// assembled as they are at home.
+/// Parts in which joints are moved from home or the keyframe to the posture given, closing the loops each time:
+/// these stay assembled as they are there.
 const PARTS: u32 = 64;
 
 /// Moves `state` onto the couplings and loops of its model; what cannot be is an error.
@@ -45,11 +47,11 @@ pub(super) fn close(run: &Run, model: &Model, given: &Given, state: &mut State, 
     let start = state.clone();
     let mut error = f64::INFINITY;
     for held in [held(&|j| is_given(j) || has_drive(j)), held(&is_given)] {
-        state.joints.copy_from_slice(&model.home);
+        state.joints.copy_from_slice(given.base);
         for part in 1..=PARTS {
             let part = f64::from(part) / f64::from(PARTS);
-            for &(JointId(j), given) in given.posture {
-                state.joints[j] = model.home[j] + part * (given - model.home[j]);
+            for &(JointId(j), q) in given.posture {
+                state.joints[j] = if part == 1.0 { q } else { given.base[j] + part * (q - given.base[j]) };
             }
             error = closing::close(model, state, &held, &mut ws).map_or(f64::INFINITY, |closed| closed.position);
         }

@@ -60,6 +60,31 @@ pub(super) fn joints<'a>(
     joints_of(Owner::robot(model), run, path, named, errors)
 }
 
+/// Positions of the keyframe with this name and of the joints that follow, or without one the home posture. An unknown name is an error at `key`.
+pub(super) fn start_posture(
+    owner: Owner,
+    run: &Run,
+    key: &str,
+    name: Option<&String>,
+    errors: &mut Vec<Diagnostic>,
+) -> Vec<f64> {
+    let model = owner.model;
+    let Some(name) = name else { return model.home.clone() };
+    if let Some(keyframe) = model.keyframes.iter().find(|keyframe| keyframe.name == *name) {
+        let mut joints = keyframe.joints.clone();
+        for coupling in &model.couplings {
+            joints[coupling.joint.0] = coupling.evaluate(joints[coupling.leader.0]).0;
+        }
+        return joints;
+    }
+    let help = match model.keyframes.is_empty() {
+        true => "only MJCF files have keyframes (`<key>` with a name); `posture` gives positions by joint".to_owned(),
+        false => suggest(name, model.keyframes.iter().map(|keyframe| keyframe.name.as_str())),
+    };
+    errors.push(run.error_at(key, format!("{owner} has no keyframe `{name}`"), Some(help)));
+    model.home.clone()
+}
+
 /// As [`joints`], of any mechanism.
 pub(super) fn joints_of<'a>(
     owner: Owner,

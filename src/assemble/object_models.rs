@@ -53,6 +53,8 @@ pub(super) fn object(
     hold(run, &path, spec, &mut model, errors);
     let mut state = initial_state(&model, entry);
     let owner = Owner { model: &model, kind: "object" };
+    let base = names::start_posture(owner, run, &format!("{path}.keyframe"), spec.keyframe.as_ref(), errors);
+    state.joints.copy_from_slice(&base);
     let posture_key = format!("{path}.posture");
     let posture = names::joints_of(owner, run, &posture_key, spec.posture.iter(), errors);
     for &(id, q) in &posture {
@@ -67,7 +69,8 @@ pub(super) fn object(
     }
     let (posture_key, velocity_key) = (posture_key.as_str(), velocity_key.as_str());
     let model_key = format!("{path}.model");
-    let given = Given { posture: &posture, posture_key, velocity: &velocity, velocity_key, model_key: &model_key };
+    let given =
+        Given { base: &base, posture: &posture, posture_key, velocity: &velocity, velocity_key, model_key: &model_key };
     close(run, &model, &given, &mut state, errors);
     let mut held = state.joints.clone();
     for (id, q) in names::joints_of(owner, run, &format!("{path}.target"), spec.target.iter(), errors) {

@@ -168,6 +168,7 @@ fn object(entry: &ObjectEntry, name: String, solid: Solid) -> Object {
         home: Vec::new(),
         couplings: Vec::new(),
         loops: Vec::new(),
+        keyframes: Vec::new(),
         transmissions: Vec::new(),
     };
     let state = initial_state(&model, entry);

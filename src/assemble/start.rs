@@ -2,7 +2,7 @@
 
 use crate::assemble::MIN_TILT_COSINE;
 use crate::assemble::closed_start::{Given, close};
-use crate::assemble::names::{check_range, joints};
+use crate::assemble::names::{Owner, check_range, joints, start_posture};
 use crate::assemble::start_height::Ground;
 use crate::dynamics::{State, Workspace, kinematics};
 use crate::robot::{Base, LinkId, Model, Sole};
@@ -30,6 +30,8 @@ pub(super) fn start(run: &Run, model: &Model, ground: &Ground, errors: &mut Vec<
     let floor = ground.floor;
     let spec = &run.scenario.robot;
     let mut state = State::home(model);
+    let base = start_posture(Owner::robot(model), run, "robot.keyframe", spec.keyframe.as_ref(), errors);
+    state.joints.copy_from_slice(&base);
     let posture = joints(model, run, "robot.posture", spec.posture.iter(), errors);
     for &(id, q) in &posture {
         let key = format!("robot.posture.{}", model.joints[id.0].name);
@@ -48,6 +50,7 @@ pub(super) fn start(run: &Run, model: &Model, ground: &Ground, errors: &mut Vec<
         state.v[3..6].copy_from_slice(&spec.base.angular_velocity);
     }
     let given = Given {
+        base: &base,
         posture: &posture,
         posture_key: "robot.posture",
         velocity: &velocity,

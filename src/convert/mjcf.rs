@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use super::mesh_files::MeshFiles;
 use super::mjcf_inertia::{inertial, raised_inertial};
-use super::mjcf_parts::{NO_EFFORT, actuators, equalities, home, sensors, sites};
+use super::mjcf_parts::{NO_EFFORT, actuators, equalities, keyframes, sensors, sites};
 use super::xml_text::{Lines, direction, escape, number, numbers, wxyz};
 use super::{Converted, joint_warnings, list};
 use crate::geometry::spatial_hull::convex_hull_3d;
@@ -38,7 +38,7 @@ pub(super) fn write(model: &Model, folder: &str) -> Converted {
     equalities(model, &mut body, &mut warnings);
     actuators(model, &mut body);
     sensors(model, &mut body);
-    home(model, &mut body);
+    keyframes(model, &mut body);
     body.close("</mujoco>");
     list("a flat mesh", "link", &flat, &mut warnings);
     warnings.extend(raised);

@@ -109,21 +109,25 @@ pub(super) fn sensors(model: &Model, lines: &mut Lines) {
     section("sensor", &inner, lines);
 }
 
-/// The home posture, its lowest sole vertex on the floor.
-pub(super) fn home(model: &Model, lines: &mut Lines) {
-    let mut qpos = Vec::new();
-    if model.base == Base::Floating {
-        qpos.extend([0.0, 0.0, 0.0 - lowest_vertex(model), 1.0, 0.0, 0.0, 0.0]);
-    }
-    qpos.extend(&model.home);
-    if !qpos.is_empty() {
-        section("keyframe", &[format!("<key name=\"home\" qpos=\"{}\"/>", numbers(&qpos))], lines);
-    }
+/// The home posture and the keyframes, the lowest sole vertex on the floor.
+pub(super) fn keyframes(model: &Model, lines: &mut Lines) {
+    let key = |name: &str, joints: &[f64]| {
+        let mut qpos = Vec::new();
+        if model.base == Base::Floating {
+            qpos.extend([0.0, 0.0, 0.0 - lowest_vertex(model, joints), 1.0, 0.0, 0.0, 0.0]);
+        }
+        qpos.extend(joints);
+        (!qpos.is_empty()).then(|| format!("<key name=\"{}\" qpos=\"{}\"/>", escape(name), numbers(&qpos)))
+    };
+    let others = model.keyframes.iter().filter(|keyframe| keyframe.name != "home");
+    let others = others.filter_map(|keyframe| key(&keyframe.name, &keyframe.joints));
+    let keys: Vec<String> = key("home", &model.home).into_iter().chain(others).collect();
+    section("keyframe", &keys, lines);
 }
 
-/// Height of the lowest vertex of a sole at home above the root's origin, m; 0 without soles.
-fn lowest_vertex(model: &Model) -> f64 {
-    let poses = crate::robot::link_poses(model, &model.home);
+/// Height of the lowest vertex of a sole above the root's origin, m; 0 without soles.
+fn lowest_vertex(model: &Model, joints: &[f64]) -> f64 {
+    let poses = crate::robot::link_poses(model, joints);
     let vertices = model.soles.iter().flat_map(|s| s.vertices.iter().map(|v: &Vector3<f64>| (s.link.0, *v)));
     let lowest = vertices.map(|(link, v)| (poses[link] * Point3::from(v)).z).fold(f64::INFINITY, f64::min);
     if lowest.is_finite() { lowest } else { 0.0 }

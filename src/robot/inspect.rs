@@ -102,8 +102,15 @@ fn joints(out: &mut String, model: &Model) -> std::fmt::Result {
     Ok(())
 }
 
-/// Couplings and loops; nothing when there are none.
+/// Keyframes, couplings and loops; nothing when there are none.
 fn conditions(out: &mut String, model: &Model) -> std::fmt::Result {
+    if !model.keyframes.is_empty() {
+        writeln!(out, "\nkeyframes ({}): positions of the joints in their order, rad or m", model.keyframes.len())?;
+    }
+    for keyframe in &model.keyframes {
+        let joints: Vec<String> = keyframe.joints.iter().map(|q| number(*q)).collect();
+        writeln!(out, "  {:<20} {}", keyframe.name, joints.join(" "))?;
+    }
     if !model.couplings.is_empty() {
         writeln!(out, "\ncouplings ({}): position of a joint by that x of another", model.couplings.len())?;
     }

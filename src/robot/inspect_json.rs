@@ -27,6 +27,7 @@ pub fn inspect_json(robot: &Robot) -> Value {
         "mass": model.mass(),
         "links": model.links.iter().map(|l| link_json(model, l)).collect::<Vec<_>>(),
         "joints": model.joints.iter().enumerate().map(|(i, j)| joint_json(model, i, j)).collect::<Vec<_>>(),
+        "keyframes": model.keyframes.iter().map(|k| json!({ "name": k.name, "joints": k.joints })).collect::<Vec<_>>(),
         "couplings": model.couplings.iter().map(|c| json!({
             "joint": joint(c.joint), "leader": joint(c.leader), "coefficients": c.coefficients,
         })).collect::<Vec<_>>(),

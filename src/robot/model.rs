@@ -299,12 +299,23 @@ pub struct Model {
     pub sensors: SensorFrames,
     /// Home posture, one number per joint.
     pub home: Vec<f64>,
+    /// Postures with names, in file order: the keys of an MJCF file.
+    pub keyframes: Vec<Keyframe>,
     /// Joints that follow others, each after those it follows.
     pub couplings: Vec<Coupling>,
     /// Closed loops, in file order.
     pub loops: Vec<LoopClosure>,
     /// Transmissions, in file order.
     pub transmissions: Vec<Transmission>,
+}
+
+/// A posture with a name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Keyframe {
+    /// Name, unique in its model.
+    pub name: String,
+    /// Positions, one number per joint, rad or m.
+    pub joints: Vec<f64>,
 }
 
 impl Model {

@@ -22,6 +22,7 @@ mod hard;
 pub mod imu;
 mod incline;
 mod jump;
+mod keyframes;
 mod landing;
 mod many_contacts;
 mod object_forces;

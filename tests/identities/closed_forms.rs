@@ -18,6 +18,7 @@ fn fixed(name: &str) -> Model {
         home: vec![],
         couplings: Vec::new(),
         loops: Vec::new(),
+        keyframes: Vec::new(),
         transmissions: Vec::new(),
     }
 }

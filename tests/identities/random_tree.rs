@@ -109,6 +109,7 @@ pub fn tree(seed: u64, joints: usize, base: Base) -> Model {
         home: vec![0.0; joints],
         couplings: Vec::new(),
         loops: Vec::new(),
+        keyframes: Vec::new(),
         transmissions: Vec::new(),
     };
     for i in 0..joints {

@@ -113,6 +113,7 @@ impl Oracle {
             home: vec![0.0; bodies.len() - 1],
             couplings: Vec::new(),
             loops: Vec::new(),
+            keyframes: Vec::new(),
             transmissions: Vec::new(),
         };
         // Oracle's link frame from our internal frame.

@@ -127,6 +127,7 @@ pub fn model() -> Model {
         home: vec![0.0, 0.0],
         couplings: Vec::new(),
         loops: Vec::new(),
+        keyframes: Vec::new(),
         transmissions: Vec::new(),
     }
 }

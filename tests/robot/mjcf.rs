@@ -123,7 +123,7 @@ fn the_robot_with_most_joints_is_read_and_the_others_are_reported() {
     }
     // The key of all robots in the file: limits of the hip hold.
     assert_eq!(robot.model.home[1..], [0.1, -0.2, 0.3, -0.1]);
-    assert!(notice(&robot, "home 10 of joint `left hip` is outside its range"));
+    assert!(notice(&robot, "position 10 of joint `left hip` is outside its range"));
     assert_eq!(robot.model.sensors.imu[0].name, "imu");
 }
 

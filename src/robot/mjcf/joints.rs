@@ -141,7 +141,8 @@ pub(super) fn larger(low: f64, high: f64, id: usize, attribute: &str, ignored: &
 
 /// Yaw, pitch and roll of a quaternion `w x y z`, as the chain of a ball joint has them.
 pub(super) fn ball_angles([w, x, y, z]: [f64; 4]) -> [f64; 3] {
-    let q = UnitQuaternion::new_normalize(nalgebra::Quaternion::new(w, x, y, z));
+    // MuJoCo takes 0 as no rotation.
+    let q = UnitQuaternion::try_new(nalgebra::Quaternion::new(w, x, y, z), 1e-15).unwrap_or_default();
     let (roll, pitch, yaw) = q.euler_angles();
     [yaw, pitch, roll]
 }

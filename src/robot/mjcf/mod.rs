@@ -122,7 +122,7 @@ fn read(
     let conditions = equalities::read(&context, &classes, &parts, tree.base, ignored)?;
     let sensors = sensors::read(document, &bodies, &parts, ignored)?;
     let ignored_pairs = equalities::exclusions(&context, &parts, ignored)?;
-    let home = keyframes::home(&context, &parts, ignored)?;
+    let (home, keyframes) = keyframes::read(&context, &parts, ignored)?;
     let mut model = Model {
         name: document.text(ROOT, "model").unwrap_or_default().to_owned(),
         base: tree.base,
@@ -132,6 +132,7 @@ fn read(
         end_effectors: Vec::new(),
         sensors,
         home,
+        keyframes,
         couplings: conditions.couplings,
         loops: conditions.loops,
         transmissions: Vec::new(),

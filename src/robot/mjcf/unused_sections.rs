@@ -19,7 +19,7 @@ pub(super) fn report(document: &Document, bodies: &Bodies, ignored: &mut Ignored
         ignored.note(id, format!("sensors <{}> are ignored", document.tag(id)));
     }
     for id in children("keyframe") {
-        ignored.note(id, "of <key> only the positions of joints count, in the key `home` or else the first one");
+        ignored.note(id, "of <key> only the positions of joints count");
     }
     let (tops, mut held) = (bodies.tops(), HashSet::new());
     for id in children("equality") {

@@ -62,10 +62,22 @@ pub(super) fn build(
     let mimics = mimics(&resolved, &builder, notices);
     let (home, name) = (vec![0.0; builder.joints.len()], written.name.clone());
     // The loader makes couplings of the mimics.
-    let (soles, end_effectors, couplings, transmissions) = Default::default();
+    let (soles, end_effectors, keyframes, couplings, transmissions) = Default::default();
     let Builder { links, joints, sensors, shapes, .. } = builder;
-    let model =
-        Model { name, base, links, joints, soles, end_effectors, sensors, home, couplings, loops, transmissions };
+    let model = Model {
+        name,
+        base,
+        links,
+        joints,
+        soles,
+        end_effectors,
+        sensors,
+        home,
+        keyframes,
+        couplings,
+        loops,
+        transmissions,
+    };
     Ok(Loaded { model, meshes: shapes.meshes.files, mimics })
 }
 

@@ -50,10 +50,22 @@ pub(super) fn build(
     let Parts { links, joints, .. } = parts;
     let home = vec![0.0; joints.len()];
     let name = tree.robot.name.clone();
-    let (soles, end_effectors, sensors, couplings, loops, transmissions) = Default::default();
+    let (soles, end_effectors, sensors, keyframes, couplings, loops, transmissions) = Default::default();
     let base = root.base;
-    let model =
-        Model { name, base, links, joints, soles, end_effectors, sensors, home, couplings, loops, transmissions };
+    let model = Model {
+        name,
+        base,
+        links,
+        joints,
+        soles,
+        end_effectors,
+        sensors,
+        home,
+        keyframes,
+        couplings,
+        loops,
+        transmissions,
+    };
     Ok(Loaded { model, meshes: shapes.meshes.files, mimics: Vec::new() })
 }
 

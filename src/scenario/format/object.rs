@@ -159,6 +159,10 @@ object! {
     ModelObject {
         /// Path of a robot file (`.toml`), a URDF, MJCF file or SDF, relative to the scenario file.
         pub model: String,
+        /// Name of a key of the MJCF file (`<keyframe>`) whose posture is that of the start; joints of `posture`
+        /// are as given there.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        pub keyframe: Option<String>,
         /// Initial joint positions by joint name, rad or m; joints left out start at the model's home.
         #[serde(default, skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "joint_positions")]
         #[schemars(with = "BTreeMap<String, json::Angle>")]

@@ -27,6 +27,10 @@ pub struct RobotSpec {
     /// Pose and velocity of the root link's frame at the start.
     #[serde(default)]
     pub base: BaseSpec,
+    /// Name of a key of the MJCF file (`<keyframe>`) whose posture is that of the start; joints of `posture` are as
+    /// given there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub keyframe: Option<String>,
     /// Initial joint positions by joint name, rad or m; joints left out start at the robot's home.
     #[serde(default, deserialize_with = "joint_positions")]
     #[schemars(with = "BTreeMap<String, json::Angle>")]
