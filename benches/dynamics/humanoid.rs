@@ -6,20 +6,7 @@ use stiction::robot::{Base, Drive, Joint, JointKind, Link, LinkId, Model, Sole};
 
 /// `[joints per leg, joints per arm, joints of the torso]`.
 pub fn humanoid([leg, arm, torso]: [usize; 3]) -> Model {
-    let mut model = Model {
-        name: "humanoid".into(),
-        base: Base::Floating,
-        links: vec![],
-        joints: vec![],
-        soles: vec![],
-        end_effectors: vec![],
-        sensors: Default::default(),
-        home: vec![],
-        couplings: Vec::new(),
-        loops: Vec::new(),
-        keyframes: Vec::new(),
-        transmissions: Vec::new(),
-    };
+    let mut model = Model::tree("humanoid".into(), Base::Floating, vec![], vec![]);
     model.links.push(link(None, 0, 10.0));
     for side in [-1.0, 1.0] {
         let foot = limb(&mut model, 0, leg, Vector3::new(0.0, 0.1 * side, -0.1));

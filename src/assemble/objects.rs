@@ -6,7 +6,7 @@ use crate::dynamics::State;
 use crate::geometry::polyhedron::{self, Moments};
 use crate::mesh;
 use crate::patches::ConvexBody;
-use crate::robot::{Base, Geometry, Link, LinkId, Model, Robot, SensorFrames, Shape};
+use crate::robot::{Base, Geometry, Link, LinkId, Model, Robot, Shape};
 use crate::scenario::{Diagnostic, MeshObject, ObjectEntry, ObjectSpec, Run};
 use crate::sim::bodies::Friction;
 use crate::sim::plant::ObjectSetup;
@@ -157,20 +157,7 @@ fn object(entry: &ObjectEntry, name: String, solid: Solid) -> Object {
         visuals: vec![shown.clone()],
         collisions: vec![shown],
     };
-    let model = Model {
-        name: name.clone(),
-        base: Base::Floating,
-        links: vec![link],
-        joints: Vec::new(),
-        soles: Vec::new(),
-        end_effectors: Vec::new(),
-        sensors: SensorFrames::default(),
-        home: Vec::new(),
-        couplings: Vec::new(),
-        loops: Vec::new(),
-        keyframes: Vec::new(),
-        transmissions: Vec::new(),
-    };
+    let model = Model::tree(name.clone(), Base::Floating, vec![link], Vec::new());
     let state = initial_state(&model, entry);
     let command = Command::hold(&model, &[]);
     let setup = ObjectSetup { name, model: Arc::new(model), state, command, joint_stops: true };

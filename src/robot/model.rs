@@ -319,6 +319,24 @@ pub struct Keyframe {
 }
 
 impl Model {
+    /// A tree with its home at 0, and nothing besides links and joints.
+    pub fn tree(name: String, base: Base, links: Vec<Link>, joints: Vec<Joint>) -> Self {
+        Model {
+            name,
+            base,
+            home: vec![0.0; joints.len()],
+            links,
+            joints,
+            soles: Vec::new(),
+            end_effectors: Vec::new(),
+            sensors: SensorFrames::default(),
+            keyframes: Vec::new(),
+            couplings: Vec::new(),
+            loops: Vec::new(),
+            transmissions: Vec::new(),
+        }
+    }
+
     /// Velocities of the base: 6 or 0.
     pub fn nb(&self) -> usize {
         match self.base {

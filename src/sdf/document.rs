@@ -277,6 +277,16 @@ pub struct Heights {
     pub size: [f64; 2],
 }
 
+impl Heights {
+    /// Checks the size of a grid before it is read. An error is the reason why it is not.
+    pub fn check_size(rows: usize, columns: usize) -> Result<(), String> {
+        if rows >= 2 && columns >= 2 && rows.saturating_mul(columns) <= MAX_HEIGHTS {
+            return Ok(());
+        }
+        Err(format!("it has {rows} rows of {columns} heights; from 2 x 2 to {MAX_HEIGHTS} in all are read"))
+    }
+}
+
 /// A sensor.
 #[derive(Clone, Debug)]
 pub struct Sensor {

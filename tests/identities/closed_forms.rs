@@ -7,20 +7,8 @@ use stiction::dynamics::{self, State, Workspace, aba, body, factor};
 use stiction::robot::{Base, JointKind, Model};
 
 fn fixed(name: &str) -> Model {
-    Model {
-        name: name.into(),
-        base: Base::Fixed,
-        links: vec![link("root", None, (0.0, Vector3::zeros(), Matrix3::zeros()))],
-        joints: vec![],
-        soles: vec![],
-        end_effectors: vec![],
-        sensors: Default::default(),
-        home: vec![],
-        couplings: Vec::new(),
-        loops: Vec::new(),
-        keyframes: Vec::new(),
-        transmissions: Vec::new(),
-    }
+    let root = link("root", None, (0.0, Vector3::zeros(), Matrix3::zeros()));
+    Model::tree(name.into(), Base::Fixed, vec![root], vec![])
 }
 
 /// `vdot` by the factorised mass matrix and by ABA, after checking that they agree.

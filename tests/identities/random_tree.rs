@@ -98,20 +98,8 @@ pub fn link(name: &str, parent: Option<usize>, body: (f64, Vector3<f64>, Matrix3
 /// A tree with `joints` joints of mixed kinds, a third of them with armature, and soles of 1 to 4 vertices on some links.
 pub fn tree(seed: u64, joints: usize, base: Base) -> Model {
     let mut r = Random::new(seed);
-    let mut model = Model {
-        name: format!("tree {seed}"),
-        base,
-        links: vec![link("root", None, r.body())],
-        joints: vec![],
-        soles: vec![],
-        end_effectors: vec![],
-        sensors: Default::default(),
-        home: vec![0.0; joints],
-        couplings: Vec::new(),
-        loops: Vec::new(),
-        keyframes: Vec::new(),
-        transmissions: Vec::new(),
-    };
+    let mut model = Model::tree(format!("tree {seed}"), base, vec![link("root", None, r.body())], vec![]);
+    model.home = vec![0.0; joints];
     for i in 0..joints {
         // Usually extend the newest chain, sometimes branch.
         let parent = if r.below(3) == 0 { r.below(i + 1) } else { i };

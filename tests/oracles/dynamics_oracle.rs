@@ -102,20 +102,9 @@ impl Oracle {
     /// The recorded tree, each link frame rotated so that its joint axis is z.
     pub fn recorded(&self) -> Subject {
         let bodies = self.tree.as_ref().expect("a frozen tree");
-        let mut model = Model {
-            name: self.robot.clone(),
-            base: if self.floating { Base::Floating } else { Base::Fixed },
-            links: vec![],
-            joints: vec![],
-            soles: vec![],
-            end_effectors: vec![],
-            sensors: Default::default(),
-            home: vec![0.0; bodies.len() - 1],
-            couplings: Vec::new(),
-            loops: Vec::new(),
-            keyframes: Vec::new(),
-            transmissions: Vec::new(),
-        };
+        let base = if self.floating { Base::Floating } else { Base::Fixed };
+        let mut model = Model::tree(self.robot.clone(), base, vec![], vec![]);
+        model.home = vec![0.0; bodies.len() - 1];
         // Oracle's link frame from our internal frame.
         let mut turns: Vec<Matrix3<f64>> = vec![];
         for body in bodies {

@@ -109,27 +109,13 @@ pub fn model() -> Model {
         ],
     );
     let square = [[0.05, 0.03], [-0.05, 0.03], [-0.05, -0.03], [0.05, -0.03]];
-    Model {
-        name: "sample".into(),
-        base: Base::Floating,
-        links: vec![trunk, shank, ball],
-        joints: vec![joint("hip", JointKind::Revolute), joint("ankle", JointKind::Continuous)],
-        soles: vec![
-            Sole {
-                name: "left".into(),
-                link: LinkId(1),
-                vertices: square.map(|[x, y]| Vector3::new(x, y, -0.2)).to_vec(),
-            },
-            Sole { name: "toe".into(), link: LinkId(2), vertices: vec![Vector3::new(0.0, 0.0, -0.03)] },
-        ],
-        end_effectors: vec![],
-        sensors: Default::default(),
-        home: vec![0.0, 0.0],
-        couplings: Vec::new(),
-        loops: Vec::new(),
-        keyframes: Vec::new(),
-        transmissions: Vec::new(),
-    }
+    let links = vec![trunk, shank, ball];
+    let joints = vec![joint("hip", JointKind::Revolute), joint("ankle", JointKind::Continuous)];
+    let soles = vec![
+        Sole { name: "left".into(), link: LinkId(1), vertices: square.map(|[x, y]| Vector3::new(x, y, -0.2)).to_vec() },
+        Sole { name: "toe".into(), link: LinkId(2), vertices: vec![Vector3::new(0.0, 0.0, -0.03)] },
+    ];
+    Model { soles, ..Model::tree("sample".into(), Base::Floating, links, joints) }
 }
 
 /// Reproducible numbers without pattern.

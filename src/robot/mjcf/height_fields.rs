@@ -73,13 +73,6 @@ impl<'a> HeightFields<'a> {
     }
 }
 
-fn check_size(rows: usize, columns: usize) -> Result<(), String> {
-    if rows >= 2 && columns >= 2 && rows.saturating_mul(columns) <= MAX_HEIGHTS {
-        return Ok(());
-    }
-    Err(format!("it has {rows} rows of {columns} heights; from 2 x 2 to {MAX_HEIGHTS} in all are read"))
-}
-
 /// Rows of `elevation`, or of zeros.
 fn written(view: &View) -> Result<Vec<Vec<f64>>, RobotError> {
     let count = |key| -> Result<usize, RobotError> {
@@ -88,7 +81,7 @@ fn written(view: &View) -> Result<Vec<Vec<f64>>, RobotError> {
         if is_count { Ok(number as usize) } else { Err(view.fault(key, "a whole number, at least 2").invalid()) }
     };
     let (rows, columns) = (count("nrow")?, count("ncol")?);
-    check_size(rows, columns).map_err(|why| view.fault("nrow", why).invalid())?;
+    Heights::check_size(rows, columns).map_err(|why| view.fault("nrow", why).invalid())?;
     let number = rows * columns;
     let values = view.list("elevation", number, number)?.unwrap_or_else(|| vec![0.0; number]);
     Ok(values.chunks(columns).rev().map(<[f64]>::to_vec).collect())
@@ -97,7 +90,7 @@ fn written(view: &View) -> Result<Vec<Vec<f64>>, RobotError> {
 fn picture(bytes: &[u8]) -> Result<Vec<Vec<f64>>, String> {
     let png = png::read(bytes)?;
     let (rows, columns) = (png.rows as usize, png.columns as usize);
-    check_size(rows, columns)?;
+    Heights::check_size(rows, columns)?;
     let (values, greatest) = png.values()?;
     let shift = if greatest > 255 { 8 } else { 0 };
     let row = |row: &[u16]| row.iter().map(|value| f64::from(value >> shift)).collect();
@@ -110,7 +103,7 @@ fn binary(bytes: &[u8]) -> Result<Vec<Vec<f64>>, String> {
     let [rows, columns, values @ ..] = &words[..] else { return Err("it has no numbers of rows and columns".into()) };
     let count = |word: &[u8; 4]| usize::try_from(i32::from_le_bytes(*word)).unwrap_or(0);
     let (rows, columns) = (count(rows), count(columns));
-    check_size(rows, columns)?;
+    Heights::check_size(rows, columns)?;
     let values: Vec<f64> = values.iter().map(|word| f64::from(f32::from_le_bytes(*word))).collect();
     if values.len() != rows * columns || values.iter().any(|value| !value.is_finite()) {
         return Err(format!("it must have {} finite heights after the numbers of rows and columns", rows * columns));

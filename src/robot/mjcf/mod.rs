@@ -123,19 +123,14 @@ fn read(
     let sensors = sensors::read(document, &bodies, &parts, ignored)?;
     let ignored_pairs = equalities::exclusions(&context, &parts, ignored)?;
     let (home, keyframes) = keyframes::read(&context, &parts, ignored)?;
+    let name = document.text(ROOT, "model").unwrap_or_default().to_owned();
     let mut model = Model {
-        name: document.text(ROOT, "model").unwrap_or_default().to_owned(),
-        base: tree.base,
-        links: parts.links,
-        joints: parts.joints,
-        soles: Vec::new(),
-        end_effectors: Vec::new(),
         sensors,
         home,
         keyframes,
         couplings: conditions.couplings,
         loops: conditions.loops,
-        transmissions: Vec::new(),
+        ..Model::tree(name, tree.base, parts.links, parts.joints)
     };
     damp_by_ratio(&mut model, &parts.references, &ratios);
     // A model that is attached several times was read as often.

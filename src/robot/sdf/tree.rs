@@ -60,24 +60,9 @@ pub(super) fn build(
     check_movable(links, joints, base, positions)?;
     let loops = builder.loops(&resolved, &tree, notices)?;
     let mimics = mimics(&resolved, &builder, notices);
-    let (home, name) = (vec![0.0; builder.joints.len()], written.name.clone());
     // The loader makes couplings of the mimics.
-    let (soles, end_effectors, keyframes, couplings, transmissions) = Default::default();
     let Builder { links, joints, sensors, shapes, .. } = builder;
-    let model = Model {
-        name,
-        base,
-        links,
-        joints,
-        soles,
-        end_effectors,
-        sensors,
-        home,
-        keyframes,
-        couplings,
-        loops,
-        transmissions,
-    };
+    let model = Model { sensors, loops, ..Model::tree(written.name.clone(), base, links, joints) };
     Ok(Loaded { model, meshes: shapes.meshes.files, mimics })
 }
 

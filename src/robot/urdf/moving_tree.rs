@@ -47,25 +47,7 @@ pub(super) fn build(
     }
     check_count(tree, xml, &parts)?;
     check_inertias(xml, &parts, root.base, notices)?;
-    let Parts { links, joints, .. } = parts;
-    let home = vec![0.0; joints.len()];
-    let name = tree.robot.name.clone();
-    let (soles, end_effectors, sensors, keyframes, couplings, loops, transmissions) = Default::default();
-    let base = root.base;
-    let model = Model {
-        name,
-        base,
-        links,
-        joints,
-        soles,
-        end_effectors,
-        sensors,
-        home,
-        keyframes,
-        couplings,
-        loops,
-        transmissions,
-    };
+    let model = Model::tree(tree.robot.name.clone(), root.base, parts.links, parts.joints);
     Ok(Loaded { model, meshes: shapes.meshes.files, mimics: Vec::new() })
 }
 

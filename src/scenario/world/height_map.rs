@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use crate::files::{input, png};
-use crate::sdf::{Heights, MAX_HEIGHTS};
+use crate::sdf::Heights;
 use nalgebra::Vector3;
 
 /// Reads a picture; `size` is that of the field along x, y and z, m. An error is the reason why it
@@ -16,12 +16,10 @@ pub(super) fn read(path: &Path, size: &Vector3<f64>) -> Result<Heights, String> 
         return Err(format!("its size {:?} is not above 0", size.as_slice()));
     }
     let bytes = input::read(path, input::MOST_DATA).map_err(|e| format!("cannot read {}: {e}", path.display()))?;
-    let read = || {
+    let read = || -> Result<Heights, String> {
         let png = png::read(&bytes)?;
         let (columns, rows) = (png.columns as usize, png.rows as usize);
-        if columns < 2 || rows < 2 || columns.saturating_mul(rows) > MAX_HEIGHTS {
-            return Err(format!("it has {columns} x {rows} points; from 2 x 2 to {MAX_HEIGHTS} in all are read"));
-        }
+        Heights::check_size(rows, columns)?;
         let (values, _) = png.values()?;
         let greatest = values.iter().copied().max().unwrap_or(0).max(1);
         let height = |value: &u16| size.z * f64::from(*value) / f64::from(greatest);

@@ -37,6 +37,7 @@ pub mod state_layout;
 mod stiff_products;
 pub mod system;
 mod turning;
+mod vertices;
 
 pub use energy_flows::EnergyFlows;
 pub use objects::ObjectSetup;

@@ -10,7 +10,6 @@
 
 use super::implicit_dampers::ImplicitDampers;
 use super::objects::{ObjectSetup, Objects};
-use super::pair_vertices::set_vertices;
 use super::polygon::Polygon;
 use super::sole_impulses::SoleImpulses;
 use super::state_layout::StateLayout;
@@ -26,7 +25,7 @@ use crate::dynamics::reduced::ContactFrame;
 use crate::dynamics::{DynamicsError, State, Workspace, crba, kinematics, reduced, rnea};
 use crate::force::Force;
 use crate::integrate::System;
-use crate::robot::{LinkId, Model, RigidInertia, SoleId};
+use crate::robot::{LinkId, Model, RigidInertia};
 use crate::sim::actuation::drives::Drives;
 use crate::sim::actuation::joint_efforts::{self, JointStop};
 use crate::sim::actuation::kinematic_paths::KinematicPaths;
@@ -401,35 +400,6 @@ impl Plant {
         self.update_frames();
         self.update_vertices();
         self.refreshed = true;
-    }
-
-    /// Copies the vertices into the contact problem, at the acceleration level.
-    fn update_vertices(&mut self) {
-        let p = &mut self.problem;
-        p.level = Level::Acceleration;
-        p.step = 0.0;
-        for (s, sole) in p.soles.iter_mut().enumerate() {
-            sole.target = Vector3::zeros();
-            if let Polygon::Pair(patch) = &self.polygons[s] {
-                self.pair_bias[s] = set_vertices(patch, &self.reduced, s, self.rest, sole);
-                continue;
-            }
-            sole.position = self.floor.to_floor(&(self.reduced.reference[s] - self.floor.point));
-            let m = &self.reduced.velocity[6 * s..6 * s + 6];
-            let (linear, omega) = (Vector3::new(m[0], m[1], m[2]), Vector3::new(m[3], m[4], m[5]));
-            let height = self.floor.gap(&self.reduced.reference[s]);
-            for (v, arm) in sole.vertices.iter_mut().zip(self.reduced.vertices(SoleId(s))) {
-                // Values just stored are not read again: the processor would wait for them.
-                let r = *arm;
-                let turn = omega.cross(&r);
-                let velocity = linear + turn;
-                (v.r, v.height, v.velocity) = (r, height + r.z, velocity);
-                v.bias = omega.cross(&turn);
-                v.moving = velocity.xy().norm_squared() > self.rest * self.rest;
-                v.near = false;
-            }
-        }
-        self.update_turning_motion();
     }
 
     /// Full evaluation at `self.state`: accelerations and contact wrenches with the states held.
