@@ -129,6 +129,8 @@ pub mod script;
 #[cfg_attr(doc, doc(hidden))]
 pub mod sdf;
 #[cfg_attr(doc, doc(hidden))]
+pub mod search;
+#[cfg_attr(doc, doc(hidden))]
 pub mod sim;
 #[cfg_attr(doc, doc(hidden))]
 pub mod statistics;

@@ -6,7 +6,7 @@
 //!
 //! Imports: nothing of this crate. Used by: `geometry`, `integrate`, `random`, `robot`, `dynamics`,
 //! `motion`, `patches`, `contact`, `collision`, `task`, `force`, `script`, `scenario`, `sim`, `log`, `assemble`,
-//! `convert`, `statistics`, `results`, `report`.
+//! `convert`, `statistics`, `search`, `results`, `report`.
 
 pub use libm::{acos, asin, atan, atan2, cbrt, cosh, exp, hypot, log2, log10, sinh, tan, tanh};
 pub use libm::{cos, sin, sincos as sin_cos};

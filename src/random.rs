@@ -1,6 +1,6 @@
 //! Random numbers from a seed and a purpose, the same on every machine.
 //!
-//! Imports: `math`. Used by: `collision`, `force`, `script`, `scenario`, `sim`, `assemble`,
+//! Imports: `math`. Used by: `search`, `collision`, `force`, `script`, `scenario`, `sim`, `assemble`,
 //! `remote`.
 
 use crate::math;

@@ -27,6 +27,7 @@ mod robot;
 mod same;
 mod scenario;
 mod script;
+mod search;
 mod structure;
 #[cfg(unix)]
 mod submit;

@@ -9,6 +9,7 @@ use stiction::results::claims::{claim_table, read_claims};
 use stiction::results::compare::{Limits, Results, compare};
 use stiction::results::merge::Shards;
 use stiction::results::pareto::{Work, pareto_table};
+use stiction::results::searches::{read_searches, search_table};
 use stiction::results::{
     FoundRun, ListedVerdicts, RunStatistics, RunsLog, SampledRuns, ShardList, SummaryRow, endings, list_records,
     overview, read_records, table, verdicts, write_summary_of,
@@ -17,8 +18,8 @@ use stiction::view::ViewableRuns;
 
 use super::{samples, scratch};
 
-/// Kinds: a record, `shard.jsonl`, `claims.json`, `runs.jsonl`, `summary.csv`, `summary.parquet`.
-pub const KINDS: [u8; 6] = *b"rlajcp";
+/// Kinds: a record, `shard.jsonl`, `claims.json`, `searches.json`, `runs.jsonl`, `summary.csv`, `summary.parquet`.
+pub const KINDS: [u8; 7] = *b"rlasjcp";
 
 /// Width of a terminal.
 const WIDTH: usize = 100;
@@ -33,6 +34,7 @@ pub fn take(data: &[u8]) {
         b'c' => summary(bytes, names::SUMMARY_CSV),
         b'p' => summary(bytes, names::SUMMARY_PARQUET),
         b'a' => claims(bytes),
+        b's' => searches(bytes),
         _ => {}
     }
 }
@@ -60,7 +62,7 @@ fn record(bytes: &[u8]) {
     let (rows, reference_rows) = (summary_rows(&runs), summary_rows(&listing.references));
     let (shown, references) = (found_runs(&rows, &runs), found_runs(&reference_rows, &listing.references));
     let page = folder.join(names::REPORT);
-    write_report_of(&page, &folder, (&shown, &statistics), &references, (&Pictured::Few, &[])).expect("a report");
+    write_report_of(&page, &folder, (&shown, &statistics), &references, (&Pictured::Few, &[], &[])).expect("a report");
     assert_inert(&samples::text(&page));
     let _ = pareto_table(&rows.iter().map(Work::of).collect::<Vec<_>>(), WIDTH);
     let _ = (table(&rows, WIDTH), endings(&rows, true), overview(&statistics, &BTreeSet::new(), WIDTH));
@@ -80,7 +82,22 @@ fn claims(bytes: &[u8]) {
     };
     let _ = claim_table(&claims, WIDTH);
     let page = folder.join(names::REPORT);
-    write_report_of(&page, &folder, (&[], &RunStatistics::default()), &[], (&Pictured::Few, &claims))
+    write_report_of(&page, &folder, (&[], &RunStatistics::default()), &[], (&Pictured::Few, &claims, &[]))
+        .expect("a report");
+    assert_inert(&samples::text(&page));
+}
+
+/// The results of searches: table and report, as `runner report` writes them.
+fn searches(bytes: &[u8]) {
+    let folder = scratch::empty_folder("searches");
+    scratch::write(&folder.join(names::SEARCHES), bytes);
+    let searches = match read_searches(&folder) {
+        Ok(searches) => searches,
+        Err(error) => return drop(error.to_string()),
+    };
+    let _ = search_table(&searches, WIDTH);
+    let page = folder.join(names::REPORT);
+    write_report_of(&page, &folder, (&[], &RunStatistics::default()), &[], (&Pictured::Few, &[], &searches))
         .expect("a report");
     assert_inert(&samples::text(&page));
 }
@@ -165,6 +182,7 @@ pub fn seeds() -> Vec<(u8, Vec<u8>)> {
         (b'r', samples::record().into()),
         (b'l', samples::shard_list().into()),
         (b'a', samples::CLAIMS.into()),
+        (b's', samples::SEARCHES.into()),
         (b'j', samples::runs_log().into()),
         (b'c', std::fs::read(file(names::SUMMARY_CSV)).expect("a summary")),
         (b'p', std::fs::read(file(names::SUMMARY_PARQUET)).expect("a summary")),

@@ -85,6 +85,26 @@ pub const CLAIMS: &str = r#"{"schema": 1, "program": "stiction 0.1.0", "claims":
             {"units": 2, "share": 0.5, "lower": 0.02532, "upper": 0.97468}]}]}
 "#;
 
+/// `searches.json` with a search of each kind.
+pub const SEARCHES: &str = r#"{"schema": 1, "program": "stiction 0.1.0", "searches": [{
+  "scenario": "slide", "search": "boundary", "subject": "outcome fallen", "keys": ["duration"], "logarithmic": [false], "cell": 0,
+  "label": "contact.method=exact", "parameters": {"contact.method": "exact"}, "verdict": "not-monotone", "message": "",
+  "interval": {"lower": 1.0, "upper": 1.5, "holds_above": true, "changes": [[1.0, 1.5], [2.0, 3.0]]}, "best": null, "runs": 2,
+  "probes": [{"at": [1.0], "run": "0123456789abcdef", "outcome": "passed", "holds": false},
+             {"at": [1.5], "run": "0123456789abcdee", "outcome": "fallen", "holds": true}]}, {
+  "scenario": "slide", "search": "boundary", "subject": "impacts at most 3", "keys": ["duration", "floor.height"], "logarithmic": [true, false], "cell": 0,
+  "label": "", "parameters": {}, "verdict": "found", "message": "", "interval": null, "best": null, "runs": 2,
+  "lines": [[{"lower": [1.0, 0.5], "upper": [1.5, 0.5], "holds_above": true},
+             {"lower": [1.0, 0.75], "upper": [1.0, 1.0], "holds_above": false}]],
+  "probes": [{"at": [1.0, 0.5], "run": "0123456789abcdef", "outcome": "passed", "holds": false},
+             {"at": [1.5, 0.5], "run": "0123456789abcdee", "outcome": "error"}]}, {
+  "scenario": "slide", "search": "minimum", "subject": "impacts", "keys": ["duration"], "logarithmic": [false], "cell": 0, "label": "",
+  "parameters": {}, "verdict": "found", "message": "", "interval": null,
+  "best": {"at": [1.5], "value": 2.0, "run": "0123456789abcdee"}, "runs": 2,
+  "probes": [{"at": [1.0], "run": "0123456789abcdef", "outcome": "passed", "value": 3.0},
+             {"at": [1.5], "run": "0123456789abcdee", "outcome": "passed", "value": 2.0}]}]}
+"#;
+
 /// `shard.jsonl` of a plan of these runs.
 pub fn shard_list() -> String {
     let key = run().file_name().expect("a name").to_string_lossy().into_owned();

@@ -10,8 +10,8 @@
 //! and collects the rows in the order of the plan. It knows live clients by the trait
 //! [`LiveClients`] only.
 //!
-//! Imports: `text`, `geometry`, `files`, `robot`, `convert`, `terrain`, `contact`, `script`, `scenario`, `sim`,
-//! `log`, `assemble`, `results`, `report`, `remote`. Used by: `replay`, `console`, `api`, `cli`.
+//! Imports: `search`, `text`, `geometry`, `files`, `robot`, `convert`, `terrain`, `contact`, `script`, `scenario`,
+//! `sim`, `log`, `assemble`, `results`, `report`, `remote`. Used by: `replay`, `console`, `api`, `cli`.
 
 mod batch_error;
 mod dispatch;

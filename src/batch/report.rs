@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::batch::Job;
 use crate::results::claims::{ClaimVerdict, Judgement};
+use crate::results::searches::{SearchResult, SearchVerdict};
 use crate::results::{RunStatistics, SummaryFiles, SummaryRow};
 use crate::sim::Outcome;
 
@@ -54,6 +55,12 @@ pub struct Report {
     pub claims: Vec<ClaimVerdict>,
     /// `claims.json`; none without claims.
     pub claims_file: Option<PathBuf>,
+    /// Results of the searches.
+    pub searches: Vec<SearchResult>,
+    /// Their files; none without searches.
+    pub search_files: Vec<PathBuf>,
+    /// True for one of several parts of a batch.
+    pub is_part: bool,
     /// True if it was interrupted.
     pub interrupted: bool,
     /// The summary's files; none when no run finished.
@@ -80,6 +87,11 @@ impl Report {
     /// True if a claim has this result.
     pub fn has_claim(&self, judgement: Judgement) -> bool {
         self.claims.iter().any(|claim| claim.verdict == judgement)
+    }
+
+    /// True if a search has no result, unless the batch is a part, which `merge` judges.
+    pub fn has_open_search(&self) -> bool {
+        !self.is_part && self.searches.iter().any(|search| search.verdict != SearchVerdict::Found)
     }
 
     /// Summary rows of the runs in `finished`.

@@ -10,13 +10,15 @@ use crate::batch::dispatch::dispatcher::{Collected, Dispatcher};
 use crate::batch::dispatch::event::Event;
 use crate::batch::dispatch::finished_runs::AllRows;
 use crate::batch::dispatch::schedule::Schedule;
+use crate::batch::dispatch::search_watch::SearchWatch;
 use crate::batch::dispatch::{repetitions, workers};
 use crate::batch::resume::resumed;
 use crate::batch::{BatchError, Body, Finished, Listener, NoListener, Options, Plan, Progress, Report, Resumed};
 use crate::files::{RecordError, confined, if_present, names, remove_partial};
 use crate::report::{Pictured, ReportRun, write_report_of};
 use crate::results::claims::{ClaimVerdict, write_claims};
-use crate::results::{Machine, PROGRAM, RunStatistics, RunsLog, write_summary_of};
+use crate::results::searches::{SearchResult, write_searches};
+use crate::results::{Machine, PROGRAM, RunStatistics, RunsLog, ShardHead, write_summary_of};
 
 /// Interrupts a batch from anywhere, such as a signal handler. The first interruption starts no
 /// more runs; the second cancels active ones.
@@ -38,6 +40,7 @@ pub struct Batch {
     runs_log: RunsLog,
     runs_log_path: PathBuf,
     resumed: Resumed,
+    searches: SearchWatch,
     events: (Sender<Event>, Receiver<Event>),
 }
 
@@ -71,9 +74,14 @@ impl Batch {
             if_present(std::fs::remove_file(&path)).map_err(RecordError::io(&path))?;
         }
         if let Some(part) = &plan.part {
-            part.head.write(&options.output, plan.shard_runs())?;
+            let unused = (0..plan.runs()).filter(|index| !plan.is_known(*index)).count();
+            ShardHead { unused, ..part.head.clone() }.write(&options.output, plan.shard_runs())?;
         }
-        let resumed = if options.resume { resumed::find_results(&plan, &options) } else { Resumed::default() };
+        let (searches, chosen) = SearchWatch::begin(&plan);
+        let resumed = match options.resume {
+            true => resumed::find_results(&plan, &options, &searches, chosen)?,
+            false => Resumed::default(),
+        };
         if resumed.runs() > 0 {
             // The program may have been killed between writing a record and its line.
             let logged = runs_log.logged()?;
@@ -83,7 +91,7 @@ impl Batch {
                 }
             }
         }
-        Ok(Self { plan, options, runs_log, runs_log_path, resumed, events: channel() })
+        Ok(Self { plan, options, runs_log, runs_log_path, resumed, searches, events: channel() })
     }
 
     /// Results found by `--resume`.
@@ -130,10 +138,10 @@ impl Batch {
         let schedule = Schedule::new(plan, &self.resumed);
         let claims = ClaimWatch::new(plan, &self.resumed.finished, output)?;
         schedule.drop_runs(&|index| !claims.needs(index));
-        let (options, resumed) = (&self.options, self.resumed);
+        let (options, resumed, searches) = (&self.options, self.resumed, &self.searches);
         let mut dispatcher = Dispatcher::new(plan, options, &gate, &mut self.runs_log, progress, listener, resumed);
         std::thread::scope(|scope| {
-            scope.spawn(|| workers::work(&pool, &self.plan, &self.options, (&schedule, &claims), &gate, &sender, body));
+            scope.spawn(|| workers::work(&pool, plan, options, (&schedule, &claims, searches), &gate, &sender, body));
             dispatcher.receive(&inbox);
             let to_repeat = dispatcher.take_repeats();
             if !to_repeat.is_empty() {
@@ -143,8 +151,17 @@ impl Batch {
             }
         });
         let Collected { finished: store, references, interrupted } = dispatcher.collect()?;
-        let unneeded = (0..self.plan.runs()).filter(|index| !store.is_done(*index) && !claims.needs(*index));
+        let open = || (0..plan.runs()).filter(|index| plan.is_known(*index) && !store.is_done(*index));
+        let unneeded = open().filter(|index| !claims.needs(*index));
         let not_needed = unneeded.inspect(|index| listener.not_needed(*index)).count();
+        let not_started = open().count() - not_needed;
+        let found = searches.results(plan);
+        found.iter().for_each(|search| listener.searched(search));
+        let search_files = write_searches(output, &found)?;
+        if let Some(part) = plan.part.as_ref().filter(|_| plan.has_search()) {
+            let head = ShardHead { unused: searches.unused(plan), searches: found.clone(), ..part.head.clone() };
+            head.write(output, plan.shard_runs())?;
+        }
         let verdicts = claims.verdicts();
         verdicts.iter().for_each(|verdict| listener.judged(verdict));
         let claims_file = write_claims(output, &verdicts)?;
@@ -157,10 +174,13 @@ impl Batch {
             None
         } else {
             let runs = (finished.as_slice(), &statistics);
-            Some(write_page(output, runs, &references, &verdicts)?)
+            Some(write_page(output, runs, &references, (&verdicts, &found))?)
         };
         Ok(Report {
-            not_started: self.plan.runs() - count - not_needed,
+            not_started,
+            is_part: plan.is_part(),
+            searches: found,
+            search_files,
             not_needed,
             claims: verdicts,
             claims_file,
@@ -182,12 +202,12 @@ fn write_page(
     output: &Path,
     (finished, statistics): (&[Finished], &RunStatistics),
     references: &[Finished],
-    claims: &[ClaimVerdict],
+    (claims, searches): (&[ClaimVerdict], &[SearchResult]),
 ) -> Result<PathBuf, RecordError> {
     let (page, machine) = (output.join(names::REPORT), Machine::here());
     let runs = as_reported(finished, &machine);
     let references = as_reported(references, &machine);
-    write_report_of(&page, output, (&runs, statistics), &references, (&Pictured::Few, claims))?;
+    write_report_of(&page, output, (&runs, statistics), &references, (&Pictured::Few, claims, searches))?;
     Ok(page)
 }
 

@@ -20,7 +20,7 @@ pub enum Exit {
     Unfinished = 3,
     /// There is nothing to do.
     Nothing = 4,
-    /// A claim is undecided.
+    /// A claim is undecided, or a search has no result.
     Undecided = 5,
     /// Interrupted by SIGINT: 128 plus its number.
     Interrupted = 130,
@@ -68,7 +68,7 @@ pub struct Ending {
     pub unfinished: bool,
     /// An expectation did not hold, or a claim fails.
     pub failed: bool,
-    /// A claim is undecided.
+    /// A claim is undecided, or a search has no result.
     pub undecided: bool,
 }
 
@@ -91,7 +91,7 @@ impl Exit {
             interrupted,
             unfinished: report.has_unfinished(),
             failed: report.has_failed() || report.has_claim(Judgement::Fails),
-            undecided: report.has_claim(Judgement::Undecided),
+            undecided: report.has_claim(Judgement::Undecided) || report.has_open_search(),
         })
     }
 }
@@ -101,7 +101,7 @@ pub type Codes = [(Exit, &'static str)];
 
 const SCENARIO: &str = "wrong usage, or a scenario, robot or filter is invalid";
 const NOTHING: &str = "nothing selected: no scenario in a folder, no run left by the filter";
-const UNDECIDED: &str = "no claim fails, and one is undecided: its runs do not show whether it is true";
+const UNDECIDED: &str = "no claim fails, and one is undecided, or a search found no boundary or several";
 const STDOUT: &str = "standard output could not be written to the end";
 const FILE: &str = "a file or standard output could not be written to the end";
 

@@ -12,6 +12,12 @@ pub const RUNS_LOG: &str = "runs.jsonl";
 pub const SHARD_LIST: &str = "shard.jsonl";
 /// The results of claims.
 pub const CLAIMS: &str = "claims.json";
+/// The results of searches, with their runs.
+pub const SEARCHES: &str = "searches.json";
+/// The results of searches, a row for each.
+pub const SEARCHES_CSV: &str = "searches.csv";
+/// The points of boundaries over two keys.
+pub const BOUNDARY_LINES: &str = "boundary-lines.csv";
 /// The record of one run.
 pub const RUN_RECORD: &str = "run.json";
 /// The log of one run.
@@ -25,10 +31,12 @@ pub const JOBS: &str = "jobs.json";
 
 /// Files written at the end of a batch, and the shard list; the next batch removes them when it
 /// begins.
-pub const BATCH_OUTPUTS: [&str; 5] = [SUMMARY_CSV, SUMMARY_PARQUET, REPORT, SHARD_LIST, CLAIMS];
+pub const BATCH_OUTPUTS: [&str; 8] =
+    [SUMMARY_CSV, SUMMARY_PARQUET, REPORT, SHARD_LIST, CLAIMS, SEARCHES, SEARCHES_CSV, BOUNDARY_LINES];
 
 /// All files of a batch in its folder of results.
-pub const BATCH_FILES: [&str; 6] = [SUMMARY_CSV, SUMMARY_PARQUET, RUNS_LOG, REPORT, SHARD_LIST, CLAIMS];
+pub const BATCH_FILES: [&str; 9] =
+    [SUMMARY_CSV, SUMMARY_PARQUET, RUNS_LOG, REPORT, SHARD_LIST, CLAIMS, SEARCHES, SEARCHES_CSV, BOUNDARY_LINES];
 
 /// Files with the rows of runs, in the order of preference for reading.
 pub const SUMMARIES: [&str; 3] = [SUMMARY_CSV, SUMMARY_PARQUET, RUNS_LOG];
@@ -37,7 +45,19 @@ pub const SUMMARIES: [&str; 3] = [SUMMARY_CSV, SUMMARY_PARQUET, RUNS_LOG];
 pub const BATCH_MARKERS: [&str; 3] = [SHARD_LIST, RUNS_LOG, SUMMARY_CSV];
 
 /// Files that a table must not replace.
-pub const PROTECTED: [&str; 8] = [RUN_RECORD, JOBS, SHARD_LIST, RUNS_LOG, SUMMARY_CSV, SUMMARY_PARQUET, REPORT, CLAIMS];
+pub const PROTECTED: [&str; 11] = [
+    RUN_RECORD,
+    JOBS,
+    SHARD_LIST,
+    RUNS_LOG,
+    SUMMARY_CSV,
+    SUMMARY_PARQUET,
+    REPORT,
+    CLAIMS,
+    SEARCHES,
+    SEARCHES_CSV,
+    BOUNDARY_LINES,
+];
 
 /// Files of one run that may be symbolic links.
 pub const LINKABLE: [&str; 2] = [RUN_RECORD, LOG];

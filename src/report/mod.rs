@@ -3,6 +3,7 @@
 //! | section | file |
 //! |---|---|
 //! | runs, machines and dates | `head` |
+//! | searches | `searches`, drawn by `boundary_plot`, `line_plot`, `best_plot` |
 //! | claims | `claims`, drawn by `claim_plot` |
 //! | error over cost | `cost_section`, drawn by `cost_plot` |
 //! | residuals | `residuals` |
@@ -17,6 +18,8 @@
 //! `batch`, `cli`.
 
 mod axis;
+mod best_plot;
+mod boundary_plot;
 mod canvas;
 mod claim_plot;
 mod claims;
@@ -25,6 +28,7 @@ mod cost_section;
 mod expectations;
 mod head;
 mod labels;
+mod line_plot;
 mod palette;
 mod pictures;
 mod residuals;
@@ -32,6 +36,7 @@ mod rewrite;
 mod run_history;
 mod run_plot;
 mod runs;
+mod searches;
 mod table;
 mod utc_date;
 
@@ -41,6 +46,7 @@ use crate::files::names;
 use crate::files::{RecordError, atomic};
 use crate::results::claims::ClaimVerdict;
 use crate::results::pareto::Work;
+use crate::results::searches::SearchResult;
 use crate::results::{FoundRun, Machine, RunRecord, RunStatistics, SummaryRow};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
@@ -108,10 +114,11 @@ pub fn write_report(
 ) -> Result<(), RecordError> {
     let mut statistics = RunStatistics::default();
     runs.iter().for_each(|run| statistics.add(run.row, run.origin, run.file(names::RUN_RECORD)));
-    write_report_of(path, results, (runs, &statistics), references, (pictured, &[]))
+    write_report_of(path, results, (runs, &statistics), references, (pictured, &[], &[]))
 }
 
-/// Writes the report on a sample of the runs, with the statistics of all and the results of claims.
+/// Writes the report on a sample of the runs, with the statistics of all, and the results of claims and
+/// searches.
 ///
 /// # Errors
 /// See [`write_report`].
@@ -120,9 +127,9 @@ pub fn write_report_of(
     results: &Path,
     (runs, statistics): (&[ReportRun], &RunStatistics),
     references: &[ReportRun],
-    (pictured, claims): (&Pictured, &[ClaimVerdict]),
+    batch: (&Pictured, &[ClaimVerdict], &[SearchResult]),
 ) -> Result<(), RecordError> {
-    let page = page(results, (runs, statistics), references, (pictured, claims))?;
+    let page = page(results, (runs, statistics), references, batch)?;
     let html = render(&page).map_err(|source| RecordError::Report { path: path.to_owned(), source })?;
     let fill = |out: &mut BufWriter<File>| out.write_all(html.as_bytes()).map_err(RecordError::io(path));
     // A link in the folder of results is replaced, not followed.
@@ -142,12 +149,12 @@ pub fn write_report_of_found(
     results: &Path,
     (runs, statistics): (&[FoundRun], &RunStatistics),
     references: &[FoundRun],
-    claims: &[ClaimVerdict],
+    (claims, searches): (&[ClaimVerdict], &[SearchResult]),
 ) -> Result<(), RecordError> {
     let rows = |runs: &[FoundRun]| runs.iter().map(|run| run.record.summary_row()).collect::<Vec<_>>();
     let (run_rows, reference_rows) = (rows(runs), rows(references));
     let (runs, references) = (found_runs(&run_rows, runs), found_runs(&reference_rows, references));
-    write_report_of(path, results, (&runs, statistics), &references, (&Pictured::Few, claims))
+    write_report_of(path, results, (&runs, statistics), &references, (&Pictured::Few, claims, searches))
 }
 
 /// Runs read from their records, with their rows.
@@ -161,6 +168,7 @@ struct Page {
     head: head::Overview,
     /// Note on runs that are only counted.
     left_out: String,
+    searches: searches::Section,
     claims: claims::Section,
     work: cost_section::Section,
     residuals: table::Table,
@@ -176,12 +184,13 @@ fn page(
     results: &Path,
     (runs, statistics): (&[ReportRun], &RunStatistics),
     references: &[ReportRun],
-    (pictured, claims): (&Pictured, &[ClaimVerdict]),
+    (pictured, claims, searches): (&Pictured, &[ClaimVerdict], &[SearchResult]),
 ) -> Result<Page, RecordError> {
     let works: Vec<Work> = runs.iter().map(|run| Work::of(run.row)).collect();
     Ok(Page {
         head: head::head(statistics),
         left_out: left_out(statistics.runs() - runs.len()),
+        searches: searches::section(searches)?,
         claims: claims::section(claims)?,
         work: cost_section::sections(&works)?,
         residuals: residuals::residuals(runs),

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::files::{RecordError, remove_partial};
 use crate::report::{Pictured, found_runs, write_report_of};
 use crate::results::claims::read_claims;
+use crate::results::searches::read_searches;
 use crate::results::{FoundRun, Listing, SampledRuns, SummaryFiles, SummaryRow, write_summary_of};
 
 /// Writes summary and `page` of `folder` from the records listed in it. Runs at the positions `selected`
@@ -25,8 +26,8 @@ pub fn rewrite_results(
     let SampledRuns { statistics, runs } = rows.into_sampled();
     let (rows, reference_rows) = (summary_rows(&runs), summary_rows(&listing.references));
     let (shown, references) = (found_runs(&rows, &runs), found_runs(&reference_rows, &listing.references));
-    let claims = read_claims(folder)?;
-    write_report_of(page, folder, (&shown, &statistics), &references, (pictured, &claims))?;
+    let (claims, searches) = (read_claims(folder)?, read_searches(folder)?);
+    write_report_of(page, folder, (&shown, &statistics), &references, (pictured, &claims, &searches))?;
     Ok((files, rows))
 }
 

@@ -7,6 +7,7 @@
 //! | `runs_log`, `shard_list`, `junit` | `runs.jsonl`, `shard.jsonl`, JUnit XML |
 //! | `discovery` | finds the records below a folder |
 //! | `claims` | judges statements about all runs |
+//! | `searches` | results of searches |
 //! | `merge` | merges shards into one folder |
 //! | `compare` | compares two results |
 //! | `pareto` | error over cost |
@@ -30,6 +31,7 @@ pub mod pareto;
 mod record;
 mod reference_motion;
 mod runs_log;
+pub mod searches;
 mod shard_list;
 mod summary;
 pub(crate) mod table;

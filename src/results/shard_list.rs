@@ -8,6 +8,7 @@ pub use crate::files::names::SHARD_LIST;
 use crate::files::{KeyLevels, RecordError, atomic, confined, json};
 use crate::results::PROGRAM;
 use crate::results::claims::{ClaimHead, RunClaim};
+use crate::results::searches::SearchResult;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -38,6 +39,17 @@ pub struct ShardHead {
     /// The claims about the runs of all shards.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub claims: Vec<ClaimHead>,
+    /// Number of planned runs of the shard that its searches have not chosen.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub unused: usize,
+    /// Results of the shard's searches, once it is at its end.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub searches: Vec<SearchResult>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+fn is_zero(number: &usize) -> bool {
+    *number == 0
 }
 
 /// Digits of a key.
@@ -86,6 +98,8 @@ impl ShardHead {
             plan,
             files,
             claims: Vec::new(),
+            unused: 0,
+            searches: Vec::new(),
         }
     }
 

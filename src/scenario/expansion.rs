@@ -11,6 +11,7 @@ use super::inputs::{Files, Input};
 use super::reference::Reference;
 use super::run::{Origin, Run};
 use super::scenario::{self, Scenario};
+use super::search::{self, PlannedSearch};
 use super::sweep::{Cell, Grid};
 use super::unused_parameters::UnusedParameters;
 use super::world::{WorldNodes, Worlds};
@@ -24,6 +25,9 @@ use crate::text::toml_tree::Node;
 /// Number of errors after which an expansion stops.
 pub(super) const MAX_ERRORS: usize = 50;
 
+/// Combination of values, repetitions, and the number of the run of a search.
+type Place = (usize, Range<u32>, Option<usize>);
+
 /// Number of repetitions that are created in one pass over their values.
 const REPETITIONS_PER_PASS: u32 = 64;
 
@@ -36,6 +40,7 @@ pub struct Expansion {
     base: Arc<Node>,
     grid: Grid,
     claims: Vec<PlannedClaim>,
+    search: Option<PlannedSearch>,
     /// Warnings about the claims.
     claim_warnings: Diagnostics,
     /// A hash of all values as written, sweep included.
@@ -68,14 +73,22 @@ impl ScenarioFile {
             findings.append(scenario::read(&base).1);
             return Err(findings.into_diagnostics(&sources));
         }
+        let search = search::read(&base, &grid, &fixed, (&sources, max_runs), &mut findings);
+        if findings.has_errors() {
+            findings.append(scenario::read(&base).1);
+            return Err(findings.into_diagnostics(&sources));
+        }
         let claim_warnings = findings.into_diagnostics(&sources);
         let definition = definition(&base);
         base.remove("sweep");
         // A claim changes no run.
         base.remove("claim");
+        // A search sets one value of each run.
+        base.remove("search");
         let (files, worlds) = Default::default();
         let (sources, base) = (Mutex::new(sources), Arc::new(base));
-        Ok(Expansion { file: self.clone(), sources, worlds, base, grid, claims, claim_warnings, definition, files })
+        let file = self.clone();
+        Ok(Expansion { file, sources, worlds, base, grid, claims, search, claim_warnings, definition, files })
     }
 }
 
@@ -90,14 +103,44 @@ impl Expansion {
         lock(&self.sources).clone()
     }
 
-    /// Number of runs.
+    /// Number of runs; of a search, the greatest number.
     pub fn runs(&self) -> usize {
-        self.grid.runs()
+        self.grid.runs() * self.slots()
     }
 
     /// Number of runs that differ in their seeds alone, and follow each other.
     pub fn repetitions(&self) -> usize {
-        self.grid.repeat.max(1) as usize
+        if self.search.is_some() { 1 } else { self.grid.repeat.max(1) as usize }
+    }
+
+    /// The search, if the file has one.
+    pub fn search(&self) -> Option<&PlannedSearch> {
+        self.search.as_ref()
+    }
+
+    /// Greatest number of runs of each combination of values and repetition.
+    fn slots(&self) -> usize {
+        self.search.as_ref().map_or(1, PlannedSearch::slots_per_cell)
+    }
+
+    /// Number of the runs that belong to one part of a batch together with this run: its own, or that
+    /// of the group of cells of a search that depend on each other.
+    pub fn unit(&self, number: usize) -> usize {
+        self.search.as_ref().map_or(number, |search| search.group(number / self.slots()))
+    }
+
+    /// Numbers of the runs that can be checked before any result is known: all, or of a search the
+    /// first two of each cell, which stand for both ends.
+    pub fn checked_numbers(&self) -> impl Iterator<Item = usize> + use<> {
+        let slots = self.slots();
+        let is_search = self.search.is_some();
+        (0..self.runs()).filter(move |number| !is_search || number % slots < 2)
+    }
+
+    fn place(&self, number: usize) -> Place {
+        let (cell, repeat) = (number / self.slots(), self.grid.repeat.max(1) as usize);
+        let repetition = (cell % repeat) as u32;
+        (cell / repeat, repetition..repetition + 1, self.search.as_ref().map(|_| number))
     }
 
     /// The claims about its runs.
@@ -112,7 +155,8 @@ impl Expansion {
 
     /// True if the key is swept, as a whole or in part.
     pub fn sweeps(&self, key: &str) -> bool {
-        self.grid.overlaps(&KeyPath::internal(key))
+        let path = KeyPath::internal(key);
+        self.grid.overlaps(&path) || self.search.as_ref().is_some_and(|search| search.overlaps(&path))
     }
 
     /// A hash of the values that define all runs: those of the file, with its sweep and overrides.
@@ -135,8 +179,15 @@ impl Expansion {
                 .step_by(REPETITIONS_PER_PASS as usize)
                 .map(move |at| (cell, at..repeat.min(at + REPETITIONS_PER_PASS)))
         };
-        for (cell, repetitions) in (0..self.grid.cells()).flat_map(parts) {
-            let runs = self.cell(cell, repetitions, Values::Written, &mut findings);
+        // A search gives both ends of each of its cells.
+        let all: Box<dyn Iterator<Item = _>> = match self.search {
+            Some(_) => Box::new(self.checked_numbers().map(|number| self.place(number))),
+            None => {
+                Box::new((0..self.grid.cells()).flat_map(parts).map(|(cell, repetitions)| (cell, repetitions, None)))
+            }
+        };
+        for place in all {
+            let runs = self.cell(place, Values::Written, &mut findings);
             if findings.errors() >= MAX_ERRORS {
                 break;
             }
@@ -150,10 +201,7 @@ impl Expansion {
 
     /// One run by its number, from 0; `None` if there is no such run or it has an error.
     pub fn run(&self, number: usize) -> Option<Run> {
-        let repeat = self.grid.repeat.max(1);
-        let repetition = (number % repeat as usize) as u32;
-        let repetitions = repetition..repetition + 1;
-        let runs = self.cell(number / repeat as usize, repetitions, Values::Written, &mut Findings::default());
+        let runs = self.cell(self.place(number), Values::Written, &mut Findings::default());
         runs?.runs.pop().filter(|_| number < self.runs())
     }
 
@@ -161,22 +209,18 @@ impl Expansion {
     /// has a seed of its own. `None` after an error of any of its repetitions, which goes to
     /// `findings`.
     pub(super) fn check_cell(&self, number: usize, findings: &mut Findings) -> Option<(Run, bool)> {
-        let (cell, repetition) = (number / self.repetitions(), (number % self.repetitions()) as u32);
-        let mut cell = self.cell(cell, repetition..repetition + 1, Values::Checked, findings)?;
+        let mut cell = self.cell(self.place(number), Values::Checked, findings)?;
         Some((cell.runs.pop()?, cell.reference_has_own_seed))
     }
 
     /// Some repetitions of a combination of values; `None` after an error, which goes to
     /// `findings`.
-    fn cell(
-        &self,
-        number: usize,
-        repetitions: Range<u32>,
-        values: Values,
-        findings: &mut Findings,
-    ) -> Option<CellRuns> {
+    fn cell(&self, (number, repetitions, probe): Place, values: Values, findings: &mut Findings) -> Option<CellRuns> {
         let cell = self.grid.cell(number);
-        let swept = cell.values();
+        let searched =
+            probe.zip(self.search.as_ref()).map_or_else(Vec::new, |(probe, search)| search.parameters(probe));
+        let mut swept = cell.values();
+        swept.extend(searched.clone());
         let mut root = Node::clone(&self.base);
         let mut found = Findings::default();
         for (path, value) in &swept {
@@ -208,7 +252,7 @@ impl Expansion {
         let parts = CellParts { expansion: self, sources, root: &root, world: &world, swept: &swept, values };
         let mut runs = Vec::new();
         for repetition in repetitions {
-            let index = number * self.grid.repeat as usize + repetition as usize;
+            let index = probe.unwrap_or(number * self.grid.repeat as usize + repetition as usize);
             let later = u64::from(self.grid.repeat.saturating_sub(repetition + 1));
             let seeded =
                 |scenario: &Scenario, by: u32| Scenario { seed: scenario.seed + u64::from(by), ..scenario.clone() };
@@ -222,7 +266,11 @@ impl Expansion {
                 None => None,
             };
             let (run, table) = parts.run(index, seeded(&scenario, repetition), later, &inputs, &[], findings)?;
-            let parameters = table.map(|table| Cell::parameters(&cell, &root, &table)).unwrap_or_default();
+            let mut parameters = table.map(|table| Cell::parameters(&cell, &root, &table)).unwrap_or_default();
+            if values == Values::Written {
+                let axes = self.search.iter().flat_map(|search| &search.axes);
+                parameters.extend(axes.zip(&searched).map(|(axis, (_, node))| (axis.name.clone(), node.to_toml())));
+            }
             let warnings = std::mem::take(&mut warnings);
             runs.push(Run { parameters, warnings, reference, ..run });
         }

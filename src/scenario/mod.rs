@@ -10,7 +10,8 @@
 //! Reads the files that a scenario names, but opens no robot file and simulates nothing. `assemble`
 //! and `batch` call it.
 //!
-//! Imports: `math`, `statistics`, `text`, `geometry`, `random`, `files`, `metrics`, `sdf`, `robot`, `contact`.
+//! Imports: `math`, `statistics`, `search`, `text`, `geometry`, `random`, `files`, `metrics`, `sdf`, `robot`,
+//! `contact`.
 //! Used by: `assemble`, `results`, `batch`, `replay`, `console`, `api`, `cli`.
 
 mod checks;
@@ -30,6 +31,7 @@ mod run;
 mod run_key;
 #[expect(clippy::module_inception)]
 mod scenario;
+mod search;
 mod sweep;
 mod unused_parameters;
 mod world;
@@ -67,6 +69,7 @@ pub use format::{
         SoleSpec, TouchingParts,
     },
     run::{FallenRule, LogSpec, LogTopic, StopSpec, SunkLink},
+    search::{SearchSpec, SearchedKey},
     self_collision::SelfCollisionSpec,
     sensors::{OrientationError, SensorError, SensorsSpec},
     sweep::{Axis, SweepSpec},
@@ -86,4 +89,5 @@ pub use overrides::{OverrideError, parse_override};
 pub use run::{DEFAULT_MAX_RUNS, Origin, Run};
 pub use run_key::{KeyHasher, key};
 pub use scenario::{FORMAT, Scenario, schema};
+pub use search::{FollowedCell, PlannedSearch, SearchAxis};
 pub use sweep::MAX_BATCH_RUNS;

@@ -9,7 +9,8 @@ use crate::text::toml_tree::{Node, Value};
 
 /// Keys of a scenario that concern the use of a run, not its simulation, and the world, whose
 /// entries replace it.
-const EXCLUDED_KEYS: [&str; 8] = ["schema", "description", "world", "sweep", "log", "expect", "claim", "compare"];
+const EXCLUDED_KEYS: [&str; 9] =
+    ["schema", "description", "world", "sweep", "log", "expect", "claim", "search", "compare"];
 
 /// A reference run before its seed is known.
 pub(super) struct Reference {

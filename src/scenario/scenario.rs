@@ -19,6 +19,7 @@ use crate::scenario::format::force::ForceSpec;
 use crate::scenario::format::object::ObjectSpec;
 use crate::scenario::format::robot::RobotSpec;
 use crate::scenario::format::run::{LogSpec, StopSpec};
+use crate::scenario::format::search::SearchSpec;
 use crate::scenario::format::self_collision::SelfCollisionSpec;
 use crate::scenario::format::sensors::SensorsSpec;
 use crate::scenario::format::sweep::SweepSpec;
@@ -90,6 +91,9 @@ pub struct Scenario {
     /// Claims about all runs of the sweep. Empty in an expanded run.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub claim: Vec<ClaimSpec>,
+    /// A search, whose runs depend on the results of earlier ones. None in an expanded run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub search: Option<SearchSpec>,
     /// Sweep: many runs from one file. Empty in an expanded run.
     #[serde(skip_serializing_if = "SweepSpec::is_single")]
     pub sweep: SweepSpec,
@@ -131,6 +135,7 @@ impl Default for Scenario {
             stop: StopSpec::default(),
             expect: Vec::new(),
             claim: Vec::new(),
+            search: None,
             sweep: SweepSpec::default(),
             compare: None,
         }
@@ -182,6 +187,7 @@ pub(super) fn read(root: &Node) -> (Option<Scenario>, Findings) {
         stop: part.value("stop", default.stop),
         expect: part.list("expect"),
         claim: part.list("claim"),
+        search: part.with("search", None, |d| SearchSpec::deserialize(d).map(Some)),
         sweep: part.value("sweep", default.sweep),
         compare: part.with("compare", None, |d| CompareSpec::deserialize(d).map(Some)),
     };

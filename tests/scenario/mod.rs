@@ -17,8 +17,16 @@ use std::path::Path;
 
 use stiction::scenario::{Diagnostics, Run, ScenarioFile, parse};
 
-/// Every available part of the format.
+/// Every available part of the format but `[search]`.
 pub const FULL: &str = include_str!("full.toml");
+
+/// Every key of `[search]`, in the combinations that are possible.
+pub const SEARCHES: [&str; 4] = [
+    include_str!("search/one-key.toml"),
+    include_str!("search/two-keys.toml"),
+    include_str!("search/least.toml"),
+    include_str!("search/greatest.toml"),
+];
 
 /// The smallest scenario.
 pub const SMALLEST: &str = "[robot]\nmodel = \"block.urdf\"\n";

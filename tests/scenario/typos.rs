@@ -7,14 +7,14 @@ use proptest::prelude::*;
 
 use stiction::scenario::{METRICS, parse_override, schema};
 
-use super::{FULL, file, runs};
+use super::{FULL, SEARCHES, file, runs};
 
 /// Keys with free names: joints and script parameters.
 const NAMES: [&str; 1] = ["left_knee"];
 
-/// Every key of [`FULL`] that the format knows, by its byte range.
-fn keys() -> Vec<Range<usize>> {
-    let bytes = FULL.as_bytes();
+/// Every key of a file that the format knows, by its byte range.
+fn keys(text: &str) -> Vec<Range<usize>> {
+    let bytes = text.as_bytes();
     let word = |b: u8| b.is_ascii_alphanumeric() || b == b'_';
     let mut keys = Vec::new();
     let mut i = 0;
@@ -29,7 +29,7 @@ fn keys() -> Vec<Range<usize>> {
                 while word(bytes[i]) {
                     i += 1;
                 }
-                let after = FULL[i..].trim_start_matches(' ').as_bytes()[0];
+                let after = text[i..].trim_start_matches(' ').as_bytes()[0];
                 // `key =`, or the name in a header.
                 if after == b'=' || (line_start && after == b']') {
                     keys.push(start..i);
@@ -41,13 +41,18 @@ fn keys() -> Vec<Range<usize>> {
         }
         i += 1;
     }
-    keys.retain(|k| !NAMES.contains(&&FULL[k.clone()]));
+    keys.retain(|k| !NAMES.contains(&&text[k.clone()]));
     keys
+}
+
+/// Files that have all keys of the format together.
+fn files() -> impl Iterator<Item = &'static str> {
+    [FULL].into_iter().chain(SEARCHES)
 }
 
 #[test]
 fn the_keys_are_found() {
-    let keys: Vec<_> = keys().into_iter().map(|k| &FULL[k]).collect();
+    let keys: Vec<_> = keys(FULL).into_iter().map(|k| &FULL[k]).collect();
     assert!(keys.len() > 300, "{}", keys.len());
     for key in
         ["schema", "robot", "rpy", "polygon", "inertia", "coulomb", "task", "type", "profile", "logspace", "repeat"]
@@ -55,19 +60,20 @@ fn the_keys_are_found() {
         assert!(keys.contains(&key), "{key}");
     }
     assert_eq!(runs(FULL).len(), 30, "the file itself is sound");
+    assert_eq!(SEARCHES.map(|text| runs(text).len()), [4, 2, 2, 2], "both ends of each search");
 }
 
 /// The errors when the key at `range` is written as `typo`; `None` if that is no mistyped key.
-fn mistyped(keys: &[Range<usize>], range: &Range<usize>, typo: &str) -> Result<(), String> {
+fn mistyped(full: &str, keys: &[Range<usize>], range: &Range<usize>, typo: &str) -> Result<(), String> {
     // A typo that is itself a key of the format, a metric, or no key at all is a different error.
-    let is_key = keys.iter().any(|k| &FULL[k.clone()] == typo) || METRICS.contains(&typo);
+    let is_key = keys.iter().any(|k| &full[k.clone()] == typo) || METRICS.contains(&typo);
     if typo.is_empty() || is_key {
         return Ok(());
     }
-    let text = format!("{}{typo}{}", &FULL[..range.start], &FULL[range.end..]);
-    let line = FULL[..range.start].matches('\n').count() + 1;
+    let text = format!("{}{typo}{}", &full[..range.start], &full[range.end..]);
+    let line = full[..range.start].matches('\n').count() + 1;
     match file(&text).and_then(|f| f.expand(&[])) {
-        Ok(_) => Err(format!("`{typo}` for `{}` on line {line} is accepted", &FULL[range.clone()])),
+        Ok(_) => Err(format!("`{typo}` for `{}` on line {line} is accepted", &full[range.clone()])),
         Err(found) => {
             let named = found.iter().any(|d| d.position.is_some_and(|p| p.line == line) && d.message.contains(typo));
             if named { Ok(()) } else { Err(format!("line {line}, `{typo}`:\n{found}")) }
@@ -77,23 +83,25 @@ fn mistyped(keys: &[Range<usize>], range: &Range<usize>, typo: &str) -> Result<(
 
 #[test]
 fn an_extra_or_missing_letter_in_any_key_is_an_error() {
-    let keys = keys();
-    let wrong = |range: &Range<usize>| {
-        let key = &FULL[range.clone()];
-        [format!("{key}x"), key[..key.len() - 1].to_owned()].map(|typo| mistyped(&keys, range, &typo))
-    };
-    let wrong: Vec<String> = keys.iter().flat_map(wrong).filter_map(Result::err).collect();
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    for text in files() {
+        let keys = keys(text);
+        let wrong = |range: &Range<usize>| {
+            let key = &text[range.clone()];
+            [format!("{key}x"), key[..key.len() - 1].to_owned()].map(|typo| mistyped(text, &keys, range, &typo))
+        };
+        let wrong: Vec<String> = keys.iter().flat_map(wrong).filter_map(Result::err).collect();
+        assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    }
 }
 
-/// Every key of the schema is in [`FULL`], and so is every type of task and force.
+/// Every key of the schema is in one of [`files`], and so is every type of task and force.
 #[test]
 fn nothing_of_the_format_is_missing() {
     let mut schema = schema();
     // Notations for the values of a sweep; one is enough.
     let definitions = schema["$defs"].as_object_mut().expect("definitions");
     definitions.retain(|name, _| !["Axis", "Distribution"].contains(&name.as_str()));
-    let known: BTreeSet<&str> = keys().into_iter().map(|k| &FULL[k]).collect();
+    let known: BTreeSet<&str> = files().flat_map(|text| keys(text).into_iter().map(|k| &text[k])).collect();
     let mut missing = BTreeSet::new();
     let mut rest = vec![&schema];
     while let Some(value) = rest.pop() {
@@ -123,7 +131,7 @@ proptest! {
         letter in "[a-z_]",
         how in 0..4,
     ) {
-        let keys = keys();
+        let keys = keys(FULL);
         let range = &keys[which.index(keys.len())];
         let key = &FULL[range.clone()];
         let i = at.index(key.len());
@@ -137,7 +145,7 @@ proptest! {
                 letters.into_iter().collect()
             }
         };
-        if let Err(wrong) = mistyped(&keys, range, &typo) {
+        if let Err(wrong) = mistyped(FULL, &keys, range, &typo) {
             prop_assert!(false, "{}", wrong);
         }
     }

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use crate::batch::{Finished, Job};
 use crate::results::claims::ClaimVerdict;
+use crate::results::searches::SearchResult;
 
 /// Receives the events of a batch in order, on one thread. Repetitions for timing are not reported.
 pub trait Listener {
@@ -35,6 +36,11 @@ pub trait Listener {
     /// The run at a position of the plan was not started, since its claims are decided.
     fn not_needed(&mut self, index: usize) {
         let _ = index;
+    }
+
+    /// A search is at its end, or ended with the batch; called when all runs have ended.
+    fn searched(&mut self, search: &SearchResult) {
+        let _ = search;
     }
 
     /// A claim is judged; called when all runs have ended.
@@ -75,6 +81,10 @@ impl Listener for Vec<&mut dyn Listener> {
 
     fn not_needed(&mut self, index: usize) {
         self.iter_mut().for_each(|l| l.not_needed(index));
+    }
+
+    fn searched(&mut self, search: &SearchResult) {
+        self.iter_mut().for_each(|l| l.searched(search));
     }
 
     fn judged(&mut self, verdict: &ClaimVerdict) {

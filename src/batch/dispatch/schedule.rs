@@ -23,6 +23,8 @@ pub(in crate::batch) struct Schedule<'a> {
 struct State {
     waiting: VecDeque<Work>,
     references: Vec<Reference>,
+    /// Number of active runs of searches, which may choose further runs.
+    probes: usize,
 }
 
 /// A reference run.
@@ -39,7 +41,7 @@ impl<'a> Schedule<'a> {
         let mut waiting = VecDeque::with_capacity(plan.runs() + plan.references());
         let mut references: Vec<Reference> =
             (0..plan.references()).map(|_| Reference { result: None, needed: 0 }).collect();
-        for index in (0..plan.runs()).filter(|index| !resumed.finished.is_done(*index)) {
+        for index in (0..plan.runs()).filter(|index| plan.is_known(*index) && !resumed.finished.is_done(*index)) {
             if let Some(i) = plan.reference_of(index) {
                 if references[i].needed == 0 {
                     waiting.push_back(Work::Reference(i));
@@ -51,7 +53,7 @@ impl<'a> Schedule<'a> {
         // References of finished runs exist unless their records were removed.
         let missing = (0..references.len()).filter(|i| references[*i].needed == 0 && !resumed.references.is_done(*i));
         waiting.extend(missing.map(Work::Reference));
-        Schedule { plan, state: Mutex::new(State { waiting, references }), changed: Condvar::new() }
+        Schedule { plan, state: Mutex::new(State { waiting, references, probes: 0 }), changed: Condvar::new() }
     }
 
     /// Takes the next ready work and its reference; none if none is left or the gate is closed.
@@ -68,12 +70,13 @@ impl<'a> Schedule<'a> {
                     let key = self.plan.reference_key(i);
                     state.take_reference(i).map(|result| AwaitedReference { key, result })
                 });
+                state.probes += usize::from(self.is_probe(work));
                 return Some((work, against));
             }
-            if state.waiting.is_empty() {
+            if state.waiting.is_empty() && state.probes == 0 {
                 return None;
             }
-            // A reference is being computed; its end notifies `changed`.
+            // A reference or a run of a search is being computed; its end notifies `changed`.
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
     }
@@ -81,7 +84,7 @@ impl<'a> Schedule<'a> {
     /// Removes waiting runs, and the references that only they need.
     pub fn drop_runs(&self, is_dropped: &dyn Fn(usize) -> bool) {
         let mut state = self.lock();
-        let State { waiting, references } = &mut *state;
+        let State { waiting, references, .. } = &mut *state;
         let mut dropped = vec![false; references.len()];
         waiting.retain(|work| match work {
             Work::Run(index) if is_dropped(*index) => {
@@ -98,6 +101,25 @@ impl<'a> Schedule<'a> {
             waiting.retain(|work| *work != Work::Reference(i));
         }
         self.changed.notify_all();
+    }
+
+    /// Adds runs that a search has chosen. They precede all others: further runs depend on them.
+    pub fn add_runs(&self, runs: &[usize]) {
+        let mut state = self.lock();
+        runs.iter().rev().for_each(|index| state.waiting.push_front(Work::Run(*index)));
+        self.changed.notify_all();
+    }
+
+    /// Records that a run of a search has ended, after the runs that it chooses are added.
+    pub fn end_probe(&self, work: Work) {
+        if self.is_probe(work) {
+            self.lock().probes -= 1;
+            self.changed.notify_all();
+        }
+    }
+
+    fn is_probe(&self, work: Work) -> bool {
+        matches!(work, Work::Run(index) if self.plan.probe_place(index).is_some())
     }
 
     /// Records the end of a reference and wakes waiting threads.

@@ -11,6 +11,7 @@ use crate::batch::dispatch::cancellation::Gate;
 use crate::batch::dispatch::claim_watch::ClaimWatch;
 use crate::batch::dispatch::event::{Event, Work};
 use crate::batch::dispatch::schedule::Schedule;
+use crate::batch::dispatch::search_watch::SearchWatch;
 use crate::batch::run::job_run;
 use crate::batch::{Body, Cancellation, Options, Plan, Reason};
 
@@ -19,7 +20,7 @@ pub(in crate::batch) fn work(
     pool: &rayon::ThreadPool,
     plan: &Plan,
     options: &Options,
-    (schedule, claims): (&Schedule<'_>, &ClaimWatch<'_>),
+    (schedule, claims, searches): (&Schedule<'_>, &ClaimWatch<'_>, &SearchWatch),
     gate: &Gate,
     events: &Sender<Event>,
     body: &Body<'_>,
@@ -28,6 +29,7 @@ pub(in crate::batch) fn work(
     // A parallel iterator would start in the middle of the plan.
     pool.broadcast(|_| {
         while let Some((work, against)) = schedule.take(gate) {
+            let _probe = ProbeGuard { schedule, work };
             let job = match work {
                 Work::Reference(index) => plan.reference(index),
                 Work::Run(index) | Work::Repetition(index) => plan.job(index),
@@ -56,6 +58,9 @@ pub(in crate::batch) fn work(
             }
             // Also here, so that this thread starts no run that is not needed.
             claims.finished(work, &finished.row, schedule);
+            if let Work::Run(index) = work {
+                schedule.add_runs(&searches.finished(plan, index, &finished.row));
+            }
             let _ = events.send(Event::Finished { work, finished: Box::new(finished) });
         }
     });
@@ -76,6 +81,19 @@ impl Drop for ReferenceGuard<'_, '_> {
                 self.result.take().unwrap_or_else(|| Err(RunError::internal("its thread panicked"))),
             );
         }
+    }
+}
+
+/// Reports the end of a run of a search even if this thread panics, so that no thread waits for the
+/// runs that it would have chosen.
+struct ProbeGuard<'a, 'p> {
+    schedule: &'a Schedule<'p>,
+    work: Work,
+}
+
+impl Drop for ProbeGuard<'_, '_> {
+    fn drop(&mut self) {
+        self.schedule.end_probe(self.work);
     }
 }
 

@@ -51,6 +51,18 @@ impl Filter {
     pub fn parse(text: &str) -> Result<Self, Box<Diagnostic>> {
         Ok(Filter { text: text.to_owned(), expression: parse::parse(text)? })
     }
+
+    /// An error if a comparison is about one of these keys, whose values a search chooses, or about the
+    /// keys of its runs.
+    pub(in crate::batch) fn names_any<'a>(&self, searched: impl Iterator<Item = &'a str>) -> Option<Box<Diagnostic>> {
+        let searched: Vec<&str> = searched.collect();
+        let comparisons = self.expression.comparisons();
+        let is_searched = |name: &str| searched.contains(&name) || name == "key" && !searched.is_empty();
+        let wrong = comparisons.into_iter().find(|comparison| is_searched(&comparison.subject.to_string()))?;
+        let message = format!("`{}` cannot select runs: a search chooses them while the batch runs", wrong.subject);
+        let help = "select combinations of swept values".to_owned();
+        Some(error(&self.text, wrong.at.clone(), message, Some(help)))
+    }
 }
 
 /// Writes the expression with all brackets; parsing it gives the same expression.

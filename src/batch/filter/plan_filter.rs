@@ -11,8 +11,23 @@ impl Plan {
     /// A comparison applies to no run; the plan is unchanged.
     pub fn select(&mut self, filter: &Filter) -> Result<(), Box<Diagnostic>> {
         let mut selection = Selection::new(filter);
-        let selected: Vec<usize> =
-            self.jobs().filter(|job| selection.takes(&job.run, &job.key)).map(|job| job.index).collect();
+        if let Some(wrong) =
+            filter.names_any(self.searches().flat_map(|(.., search)| &search.axes).map(|axis| axis.name.as_str()))
+        {
+            return Err(wrong);
+        }
+        let mut selected: Vec<usize> = Vec::new();
+        for index in 0..self.runs() {
+            let is_selected = match self.is_first(index) {
+                true => {
+                    let job = self.job(index);
+                    selection.takes(&job.run, &job.key)
+                }
+                // All runs of a search are selected, or none.
+                false => index.checked_sub(1).is_some_and(|before| selected.last() == Some(&before)),
+            };
+            selected.extend(is_selected.then_some(index));
+        }
         selection.end()?;
         self.keep(&selected);
         self.restrict_claims();

@@ -1,6 +1,6 @@
 //! Writes a batch as JUnit XML.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -8,6 +8,7 @@ use crate::batch::{BatchError, Finished, Job, Listener, Plan, Role};
 use crate::files::names::BATCH_FILES;
 use crate::files::{OutputKind, RecordError, check_replaceable};
 use crate::results::claims::{ClaimVerdict, Judgement};
+use crate::results::searches::{SearchResult, SearchVerdict};
 use crate::results::{JunitCase, JunitStatus, Verdict, write_junit};
 use crate::sim::Outcome;
 use crate::text::plural::plural;
@@ -18,8 +19,11 @@ pub struct Junit {
     output: PathBuf,
     slow: Option<Duration>,
     since: Instant,
-    runs: Vec<JunitCase>,
+    /// By their positions in the plan.
+    runs: BTreeMap<usize, JunitCase>,
     references: Vec<JunitCase>,
+    /// Results of searches.
+    searches: Vec<JunitCase>,
     claims: Vec<JunitCase>,
 }
 
@@ -46,29 +50,25 @@ impl Junit {
         }
         check_replaceable(path, OutputKind::Junit)?;
         let mut names = HashMap::new();
-        for job in plan.jobs() {
+        // Runs of searches get a case when they end.
+        let planned = || (0..plan.runs()).filter(|index| plan.probe_place(*index).is_none());
+        for job in planned().map(|index| plan.job(index)) {
             *names.entry((job.run.name.clone(), name(&job))).or_insert(0) += 1;
         }
         let case = |job: Job| {
             let label = name(&job);
             let shared = names.get(&(job.run.name.clone(), label.clone())).is_some_and(|count| *count > 1);
-            JunitCase {
-                suite: job.run.name.clone(),
-                // A name without the key identifies a case across batches.
-                name: if shared { format!("{label} {}", job.key) } else { label },
-                time: None,
-                status: JunitStatus::Skipped { message: "not started".into() },
-                properties: vec![("key", job.key.clone()), ("file", job.run.file.display().to_string())],
-                output: Vec::new(),
-            }
+            // A name without the key identifies a case across batches.
+            new_case(&job, if shared { format!("{label} {}", job.key) } else { label })
         };
         Ok(Junit {
             path: path.to_owned(),
             output: output.to_owned(),
             slow,
             since: Instant::now(),
-            runs: plan.jobs().map(&case).collect(),
+            runs: planned().map(|index| (index, case(plan.job(index)))).collect(),
             references: (0..plan.references()).map(|index| case(plan.reference(index))).collect(),
+            searches: Vec::new(),
             claims: Vec::new(),
         })
     }
@@ -79,19 +79,22 @@ impl Junit {
     /// It cannot be written.
     pub fn write(self) -> Result<PathBuf, RecordError> {
         let mut order = HashMap::new();
-        for case in &self.runs {
+        for case in self.runs.values() {
             let next = order.len();
             order.entry(case.suite.clone()).or_insert(next);
         }
-        let mut cases: Vec<JunitCase> = self.references.into_iter().chain(self.runs).chain(self.claims).collect();
+        let mut cases: Vec<JunitCase> = self.references.into_iter().chain(self.runs.into_values()).collect();
+        cases.extend(self.searches.into_iter().chain(self.claims));
         cases.sort_by_key(|case| order.get(&case.suite).copied());
         write_junit(&self.path, &cases, self.since.elapsed())?;
         Ok(self.path)
     }
 
     fn case(&mut self, job: &Job) -> Option<&mut JunitCase> {
-        let cases = if job.role == Role::Reference { &mut self.references } else { &mut self.runs };
-        cases.get_mut(job.index)
+        match job.role {
+            Role::Reference => self.references.get_mut(job.index),
+            Role::Run { .. } => Some(self.runs.entry(job.index).or_insert_with(|| new_case(job, name(job)))),
+        }
     }
 }
 
@@ -121,9 +124,29 @@ impl Listener for Junit {
     }
 
     fn not_needed(&mut self, index: usize) {
-        if let Some(case) = self.runs.get_mut(index) {
+        if let Some(case) = self.runs.get_mut(&index) {
             case.status = JunitStatus::Skipped { message: "not needed: its claims are decided".into() };
         }
+    }
+
+    fn searched(&mut self, search: &SearchResult) {
+        let message = search.summary();
+        let label =
+            format!("{}: {} over {} {}", search.search.name(), search.subject, search.keys.join(", "), search.label);
+        let detail = || message.clone();
+        let status = match search.verdict {
+            SearchVerdict::Found => JunitStatus::Passed,
+            SearchVerdict::Error => JunitStatus::Error { kind: "search".into(), message: detail() },
+            _ => JunitStatus::Skipped { message: detail() },
+        };
+        self.searches.push(JunitCase {
+            suite: search.scenario.clone(),
+            name: label.trim_end().to_owned(),
+            time: None,
+            status,
+            properties: vec![("verdict", search.verdict.name().into()), ("runs", search.runs.to_string())],
+            output: vec![message],
+        });
     }
 
     fn judged(&mut self, verdict: &ClaimVerdict) {
@@ -143,6 +166,18 @@ impl Listener for Junit {
             properties: vec![("verdict", verdict.verdict.name().into()), ("counted", verdict.used.to_string())],
             output: vec![message],
         });
+    }
+}
+
+/// The case of a run that is not started.
+fn new_case(job: &Job, name: String) -> JunitCase {
+    JunitCase {
+        suite: job.run.name.clone(),
+        name,
+        time: None,
+        status: JunitStatus::Skipped { message: "not started".into() },
+        properties: vec![("key", job.key.clone()), ("file", job.run.file.display().to_string())],
+        output: Vec::new(),
     }
 }
 

@@ -16,6 +16,7 @@ use schemars::{JsonSchema, Schema, json_schema};
 use serde::Serialize;
 
 use crate::results::claims::ClaimVerdict;
+use crate::results::searches::SearchResult;
 use crate::results::{Measure, ParamValue, Verdict};
 use crate::sim::Outcome;
 
@@ -47,6 +48,8 @@ pub enum Message {
     RunSlow(RunSlow),
     /// A run ended and its files are written.
     RunFinished(Box<RunFinished>),
+    /// A search is at its end, or ended with the batch; after all runs.
+    SearchEnded(Box<SearchResult>),
     /// A claim is judged; after all runs.
     ClaimJudged(Box<ClaimVerdict>),
     /// The last line of `runner run`, unless the command line itself was wrong.
@@ -84,7 +87,7 @@ pub struct BatchStarted {
     pub program: &'static str,
     /// Scenario files.
     pub files: Vec<String>,
-    /// Number of runs.
+    /// Number of runs; with a search, the greatest number.
     pub runs: usize,
     /// Number of reference runs, which others are compared with.
     pub references: usize,
@@ -163,6 +166,8 @@ pub struct BatchFinished {
     pub not_started: usize,
     /// Runs that were not started, since their claims are decided.
     pub not_needed: usize,
+    /// Number of searches by verdict.
+    pub searches: BTreeMap<&'static str, usize>,
     /// Number of claims by verdict.
     pub claims: BTreeMap<&'static str, usize>,
     /// True if it was interrupted.
@@ -178,7 +183,7 @@ pub struct CheckFinished {
     pub exit_code: u8,
     /// Scenario files.
     pub files: Vec<String>,
-    /// Number of runs they expand to.
+    /// Number of runs they expand to; with a search, the greatest number.
     pub runs: usize,
     /// Number of reference runs these need.
     pub references: usize,

@@ -6,6 +6,7 @@ use std::time::Duration;
 use super::{BatchFinished, BatchStarted, Message, RunFinished, RunMessage, RunSlow};
 use crate::batch::{Finished, Job, Listener, Options, Plan, Report, Role, is_slow};
 use crate::results::claims::ClaimVerdict;
+use crate::results::searches::SearchResult;
 use crate::results::{NUMERIC_COLUMNS, PROGRAM, measure, truth_columns};
 
 /// Converts events to message lines and passes them to a callback.
@@ -40,6 +41,11 @@ impl<F: FnMut(String)> Listener for MessageWriter<F> {
 
     fn finished(&mut self, job: &Job, finished: &Finished) {
         self.emit_finished(job, finished, false);
+    }
+
+    fn searched(&mut self, search: &SearchResult) {
+        // The runs are in `searches.json`, and have messages of their own.
+        self.emit(Message::SearchEnded(Box::new(SearchResult { probes: Vec::new(), ..search.clone() })));
     }
 
     fn judged(&mut self, verdict: &ClaimVerdict) {
@@ -108,12 +114,19 @@ impl BatchFinished {
             ..BatchFinished::default()
         };
         finished.outcomes.extend(report.statistics.outcomes());
+        for search in &report.searches {
+            *finished.searches.entry(search.verdict.name()).or_default() += 1;
+        }
         for claim in &report.claims {
             *finished.claims.entry(claim.verdict.name()).or_default() += 1;
         }
         let summary = report.summary.iter().flat_map(|files| [&files.csv, &files.parquet]);
-        let own =
-            summary.chain(&report.page).chain(&report.claims_file).chain([&report.runs_log]).map(PathBuf::as_path);
+        let own = summary
+            .chain(&report.page)
+            .chain(&report.search_files)
+            .chain(&report.claims_file)
+            .chain([&report.runs_log]);
+        let own = own.map(PathBuf::as_path);
         finished.files = own.chain(junit).map(|path| path.display().to_string()).collect();
         finished
     }

@@ -3,7 +3,7 @@
 use crate::files::{KeyLevels, names};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::batch::plan::plan_claims::PlanClaims;
 use crate::batch::plan::robot_cache::Robots;
@@ -59,6 +59,8 @@ pub(in crate::batch) struct Source {
     pub kind: Traits,
     /// Position of its first run among the runs of all files and shards.
     pub first: usize,
+    /// Keys of the runs of a search by their numbers, once they are known; empty without a search.
+    pub probe_keys: Vec<OnceLock<u64>>,
 }
 
 impl Source {
@@ -110,14 +112,20 @@ impl Plan {
         self.build(index, self.references[index], Role::Reference)
     }
 
-    /// Builds all runs in order, one at a time.
+    /// Builds all runs in order, one at a time. Those of a search have the value of one of its ends
+    /// until their own is known.
     pub fn jobs(&self) -> impl ExactSizeIterator<Item = Job> {
         (0..self.runs.len()).map(|index| self.job(index))
     }
 
-    /// The key of the run at a position.
+    /// The key of the run at a position. That of a search has its own once its value is known.
     pub fn key(&self, index: usize) -> String {
-        key_text(self.runs[index].key)
+        key_text(self.key_of(self.runs[index]))
+    }
+
+    fn key_of(&self, ticket: Ticket) -> u64 {
+        let keys = &self.sources[ticket.source as usize].probe_keys;
+        keys.get(ticket.number as usize).and_then(OnceLock::get).copied().unwrap_or(ticket.key)
     }
 
     /// Names of the scenarios.
@@ -174,6 +182,11 @@ impl Plan {
         self.claims = Arc::new(PlanClaims::new(&self.sources, &|source, number| selected.contains(&(source, number))));
     }
 
+    /// True if the seeds of the runs of its scenario differ.
+    pub(in crate::batch) fn is_repeated(&self, index: usize) -> bool {
+        self.sources[self.runs[index].source as usize].kind.repeated
+    }
+
     /// Number of runs of a scenario file.
     pub fn runs_of(&self, file: &Path) -> usize {
         self.runs.iter().filter(|t| self.sources[t.source as usize].expansion.file().path == *file).count()
@@ -217,7 +230,7 @@ impl Plan {
         }
         let mut robots = self.robots.lock().unwrap_or_else(PoisonError::into_inner);
         let (robot, objects) = robots.of_run(&run).expect("robots that have been loaded");
-        let key = key_text(ticket.key);
+        let key = if role == Role::Reference { key_text(ticket.key) } else { key_text(self.key_of(ticket)) };
         let label =
             if role == Role::Reference { format!("reference {key}") } else { label(&run, source.kind.repeated) };
         Job { index, run, robot, objects, key, label, role, levels: source.levels() }
@@ -228,6 +241,13 @@ impl std::fmt::Debug for Plan {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Plan").field("runs", &self.runs).field("references", &self.references).finish_non_exhaustive()
     }
+}
+
+/// A label without the searched key.
+pub(in crate::batch) fn cell_label(run: &Run, searched: &[&str], repeated: bool) -> String {
+    let mut run = run.clone();
+    run.parameters.retain(|(name, _)| !searched.contains(&name.as_str()));
+    label(&run, repeated)
 }
 
 /// Formats a key, the first 64 bits of a hash, as hexadecimal.

@@ -7,6 +7,7 @@ pub(in crate::batch) mod batch_plan;
 pub(in crate::batch) mod finding;
 pub(in crate::batch) mod input_hashes;
 pub(in crate::batch) mod plan_claims;
+pub(in crate::batch) mod plan_search;
 pub(in crate::batch) mod planner;
 pub(in crate::batch) mod robot_cache;
 mod run_check;

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Duration;
 
 use rayon::prelude::*;
@@ -209,7 +209,9 @@ impl Planner {
         let first = self.total;
         self.total += expansion.runs();
         let (name, kind) = (expansion.file().name(), Traits { repeated, remote });
-        self.sources.push(Arc::new(Source { expansion, name, kind, first }));
+        let probes = if expansion.search().is_some() { expansion.runs() } else { 0 };
+        let probe_keys = (0..probes).map(|_| OnceLock::new()).collect();
+        self.sources.push(Arc::new(Source { expansion, name, kind, first, probe_keys }));
     }
 
     /// True if all runs of a file are checked, those of other shards too.
@@ -223,8 +225,10 @@ impl Planner {
         let name = file.name.clone();
         let count = expansion.runs();
         let mut numbers: Box<dyn Iterator<Item = usize>> = match self.shard {
-            Some(shard) if !self.checks_all(expansion) => Box::new(shard.numbers(&name, count)),
-            _ => Box::new(0..count),
+            Some(shard) if !self.checks_all(expansion) && expansion.search().is_none() => {
+                Box::new(shard.numbers(&name, count))
+            }
+            _ => Box::new(expansion.checked_numbers()),
         };
         let check = RunCheck { expansion, robots: &self.robots, time_limit: self.time_limit };
         let size = (count / CHUNKS).clamp(1, CHUNK);
@@ -239,7 +243,8 @@ impl Planner {
                 false => vec![check.check(&some)],
             };
             for runs in checked {
-                let kept = |run: &CheckedRun| self.shard.is_none_or(|shard| shard.contains(&name, run.number));
+                let kept =
+                    |run: &CheckedRun| self.shard.is_none_or(|shard| shard.contains(&name, expansion.unit(run.number)));
                 file.add(runs, kept, self.findings.errors());
             }
             if file.cells.is_full() {
@@ -359,6 +364,13 @@ impl<'a> FileRuns<'a> {
             let ticket = |key, reference, repetitions| Ticket { key, source, number, reference, repetitions };
             let reference = run.reference.map_or(NONE, |key| self.references.position(ticket(key, NONE, 0)));
             self.runs.push(ticket(run.key, reference, run.timing));
+            if let Some(search) = self.expansion.search() {
+                // The first run of a cell stands for all.
+                let slots = search.slots_per_cell() as u32;
+                if let Some(first) = self.runs.pop().filter(|_| number.is_multiple_of(slots)) {
+                    self.runs.extend((0..slots).map(|slot| Ticket { number: number + slot, ..first }));
+                }
+            }
         }
     }
 }

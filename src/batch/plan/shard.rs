@@ -10,6 +10,7 @@ use std::num::NonZero;
 use std::str::FromStr;
 
 use crate::batch::Plan;
+use crate::batch::plan::batch_plan::Ticket;
 use crate::results::{PlanHash, ShardHead, ShardRun};
 
 /// One of N equal parts of a batch.
@@ -209,7 +210,11 @@ impl Plan {
     /// Keeps the runs of a shard, in order, and the references they need.
     pub fn take_shard(&mut self, shard: Shard) {
         let all = self.runs();
-        let is_own = |index: &usize| shard.contains(self.scenario(*index), self.runs[*index].number as usize);
+        let is_own = |index: &usize| {
+            let Ticket { source, number, .. } = self.runs[*index];
+            let unit = self.sources[source as usize].expansion.unit(number as usize);
+            shard.contains(self.scenario(*index), unit)
+        };
         let positions: Vec<usize> = (0..all).filter(is_own).collect();
         self.keep(&positions);
         self.set_part(shard, all);
@@ -222,9 +227,9 @@ impl Plan {
         self.part = Some(Part { head });
     }
 
-    /// Entries of the shard's run list.
+    /// Entries of the shard's run list, without runs that its searches have not chosen.
     pub(in crate::batch) fn shard_runs(&self) -> impl Iterator<Item = ShardRun> {
-        (0..self.runs()).map(|i| ShardRun {
+        (0..self.runs()).filter(|i| self.is_known(*i)).map(|i| ShardRun {
             at: self.position_in_whole(i),
             scenario: self.scenario(i).to_owned(),
             key: self.key(i),

@@ -5,10 +5,11 @@
 //! expected.
 
 use crate::files::names;
-use std::collections::{HashMap, HashSet};
+use std::collections::{HashMap, HashSet, VecDeque};
 use std::path::{Path, PathBuf};
 
 use crate::batch::dispatch::finished_runs::Store;
+use crate::batch::dispatch::search_watch::SearchWatch;
 use crate::batch::resume::rerun_reason;
 use crate::batch::{Finished, Job, Options, Plan, Role};
 use crate::files::{RecordError, confined, remove_partial, run_folders};
@@ -95,17 +96,30 @@ enum State {
 }
 
 /// Finds the records of a plan and removes partial files. No other process may write there.
-pub(in crate::batch) fn find_results(plan: &Plan, options: &Options) -> Resumed {
+///
+/// `chosen` are the runs that searches have chosen; their results choose further ones.
+pub(in crate::batch) fn find_results(
+    plan: &Plan,
+    options: &Options,
+    searches: &SearchWatch,
+    chosen: Vec<usize>,
+) -> Result<Resumed, RecordError> {
     let mut resumed = Resumed::default();
     let (mut absent, mut needed): (Vec<usize>, HashSet<usize>) = (Vec::new(), HashSet::new());
-    for job in plan.jobs() {
+    let planned = (0..plan.runs()).filter(|index| plan.probe_place(*index).is_none());
+    let mut due: VecDeque<usize> = planned.chain(chosen).collect();
+    while let Some(index) = due.pop_front() {
+        let job = plan.job(index);
         match state(&job, plan, options) {
             State::Done { finished, other_build } => {
                 resumed.other_builds += usize::from(other_build);
                 if finished.needs_repetitions(&job) {
                     resumed.to_repeat.push(job.index);
                 }
-                resumed.finished.insert(job.index, *finished);
+                resumed.finished.insert(index, *finished);
+                if plan.probe_place(index).is_some() {
+                    due.extend(searches.finished(plan, index, &resumed.finished.row(index, plan, &options.output)?));
+                }
                 continue;
             }
             State::Rerun(why) => resumed.add_rerun(why, &job),
@@ -129,8 +143,11 @@ pub(in crate::batch) fn find_results(plan: &Plan, options: &Options) -> Resumed 
         }
     }
     let mut earlier: HashMap<&str, Earlier> = HashMap::new();
-    let keys: HashSet<String> =
-        if absent.is_empty() { HashSet::new() } else { (0..plan.runs()).map(|index| plan.key(index)).collect() };
+    let keys: HashSet<String> = if absent.is_empty() {
+        HashSet::new()
+    } else {
+        (0..plan.runs()).filter(|index| plan.is_known(*index)).map(|index| plan.key(index)).collect()
+    };
     for index in absent {
         let name = plan.scenario(index);
         let known = earlier.entry(name).or_insert_with(|| Earlier::of(&options.output, name, &keys));
@@ -144,7 +161,7 @@ pub(in crate::batch) fn find_results(plan: &Plan, options: &Options) -> Resumed 
             None => resumed.first += 1,
         }
     }
-    resumed
+    Ok(resumed)
 }
 
 fn state(job: &Job, plan: &Plan, options: &Options) -> State {

@@ -47,8 +47,15 @@ fn summary(plan: &Plan) -> String {
     let mut text = String::new();
     for file in &plan.files {
         let runs = plan.runs_of(file);
-        text += &format!("{}: {}\n", visible_path(file), plural(runs, "run"));
+        text += &match plan.most_probes_of(file) {
+            Some(most) => {
+                let searches = format!("{most} for each of {}", plural(runs / most, "combination"));
+                format!("{}: at most {}, {searches}\n", visible_path(file), plural(runs, "run"))
+            }
+            None => format!("{}: {}\n", visible_path(file), plural(runs, "run")),
+        };
     }
     let runs = counted(plan.runs(), plan.references());
-    text + &format!("all good: {}, {runs}\n", plural(plan.files.len(), "scenario"))
+    let at_most = if plan.has_search() { "at most " } else { "" };
+    text + &format!("all good: {}, {at_most}{runs}\n", plural(plan.files.len(), "scenario"))
 }

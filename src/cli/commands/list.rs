@@ -1,6 +1,6 @@
 //! `runner list`: lists the runs that scenarios expand to.
 
-use crate::batch::Plan;
+use crate::batch::{Job, Plan};
 use crate::results::ParamValue;
 use crate::text::text_table::limited;
 use crate::text::visible::visible;
@@ -49,24 +49,39 @@ impl List {
     }
 }
 
+/// The runs; of a search, one for each combination of values, without the searched key.
+fn listed(plan: &Plan) -> impl Iterator<Item = Job> {
+    (0..plan.runs()).filter(|index| plan.is_first(*index)).map(|index| {
+        let mut job = plan.job(index);
+        let searched = plan.searched_keys(index);
+        job.run.parameters.retain(|(name, _)| !searched.contains(&name.as_str()));
+        job
+    })
+}
+
 fn text(plan: &Plan) -> String {
     let names = (0..plan.runs()).map(|run| visible(plan.scenario(run)).chars().count()).max().unwrap_or(0);
-    let lines = plan.jobs().map(|job| {
-        let line =
-            format!("{:names$}  {}  {}", visible(&job.run.name), job.key, limited(visible(&job.label).into_owned()));
+    let lines = listed(plan).map(|job| {
+        let (key, label) = match plan.search_of(job.index) {
+            Some(search) => ("-".repeat(job.key.len()), search),
+            None => (job.key.clone(), job.label.clone()),
+        };
+        let line = format!("{:names$}  {key}  {}", visible(&job.run.name), limited(visible(&label).into_owned()));
         format!("{}\n", line.trim_end())
     });
     lines.collect()
 }
 
 fn json(plan: &Plan) -> String {
-    let runs = plan.jobs().map(|job| {
+    let runs = listed(plan).map(|job| {
+        let search = plan.search_of(job.index);
         let parameters: Map<String, Value> =
             job.parameters().into_iter().map(|(name, value)| (name, json!(value))).collect();
         json!({
             "scenario": job.run.name,
             "file": job.run.file.display().to_string(),
-            "key": job.key,
+            "key": if search.is_none() { Some(&job.key) } else { None },
+            "search": search,
             "seed": job.run.scenario.seed,
             "reference": job.reference().map(|i| plan.reference_key(i)),
             "parameters": parameters,
@@ -77,7 +92,7 @@ fn json(plan: &Plan) -> String {
 
 /// One column per swept parameter, empty where a run lacks it.
 fn csv(plan: &Plan) -> String {
-    let rows: Vec<Vec<(String, ParamValue)>> = plan.jobs().map(|job| job.parameters()).collect();
+    let rows: Vec<Vec<(String, ParamValue)>> = listed(plan).map(|job| job.parameters()).collect();
     let mut names: Vec<&str> = Vec::new();
     for (name, _) in rows.iter().flatten() {
         if !names.contains(&name.as_str()) {
@@ -86,8 +101,9 @@ fn csv(plan: &Plan) -> String {
     }
     let header = ["scenario", "key", "seed"].into_iter().chain(names.iter().copied()).map(String::from);
     let mut out = line(header);
-    for (job, parameters) in plan.jobs().zip(&rows) {
-        let own = [job.run.name.clone(), job.key.clone(), job.run.scenario.seed.to_string()];
+    for (job, parameters) in listed(plan).zip(&rows) {
+        let key = if plan.search_of(job.index).is_some() { String::new() } else { job.key.clone() };
+        let own = [job.run.name.clone(), key, job.run.scenario.seed.to_string()];
         let value =
             |name: &&str| parameters.iter().find(|(n, _)| n == name).map_or(String::new(), |(_, v)| v.to_string());
         out += &line(own.into_iter().chain(names.iter().map(value)));

@@ -8,6 +8,7 @@ use crate::files::{make_durable, names};
 use crate::report::write_report_of_found;
 use crate::results::claims::{Judgement, claim_table};
 use crate::results::merge::{MergeError, Merged, Shards};
+use crate::results::searches::{SearchVerdict, search_table};
 use crate::results::{endings, overview};
 use crate::text::visible::{visible_lines, visible_path};
 use clap::Args;
@@ -57,7 +58,7 @@ impl Merge {
         let merged = shards.write(&self.output, &missing).map_err(refused)?;
         let page = self.output.join(names::REPORT);
         let runs = (merged.runs.as_slice(), &merged.statistics);
-        write_report_of_found(&page, &self.output, runs, &merged.references, &merged.claims)
+        write_report_of_found(&page, &self.output, runs, &merged.references, (&merged.claims, &merged.searches))
             .map_err(|error| refused(error.into()))?;
         print(&visible_lines(&summary(&merged, &page)))?;
         let is_any = |judgement| merged.claims.iter().any(|claim| claim.verdict == judgement);
@@ -65,7 +66,8 @@ impl Merge {
             interrupted: None,
             unfinished: merged.unfinished > 0,
             failed: merged.failed > 0 || is_any(Judgement::Fails),
-            undecided: is_any(Judgement::Undecided),
+            undecided: is_any(Judgement::Undecided)
+                || merged.searches.iter().any(|search| search.verdict != SearchVerdict::Found),
         }))
     }
 }
@@ -80,6 +82,10 @@ fn summary(merged: &Merged, page: &Path) -> String {
     if !failed.is_empty() {
         out += &format!("\n{failed}");
     }
+    let searches = search_table(&merged.searches, width());
+    if !searches.is_empty() {
+        out += &format!("\n{searches}");
+    }
     let claims = claim_table(&merged.claims, width());
     if !claims.is_empty() {
         out += &format!("\n{claims}");
@@ -87,7 +93,8 @@ fn summary(merged: &Merged, page: &Path) -> String {
     out += "\nwritten:\n";
     let claims = merged.claims_file.as_deref();
     let files = [&*merged.summary.csv, &merged.summary.parquet, &merged.runs_log, page];
-    for path in files.into_iter().chain(claims) {
+    let searches = merged.search_files.iter().map(PathBuf::as_path);
+    for path in files.into_iter().chain(searches).chain(claims) {
         // Writing to a String cannot fail.
         let _ = writeln!(out, "  {}", visible_path(path));
     }

@@ -82,7 +82,7 @@ impl Report {
         let folder = self.results.parent().unwrap_or(Path::new("")).to_owned();
         let page = self.output.unwrap_or_else(|| folder.join(names::REPORT));
         let shown: Vec<ReportRun> = table.rows.iter().map(ReportRun::of_row).collect();
-        let written = write_report_of(&page, &folder, (&shown, &table.statistics), &[], (&Pictured::Few, &[]));
+        let written = write_report_of(&page, &folder, (&shown, &table.statistics), &[], (&Pictured::Few, &[], &[]));
         written.map_err(|error| {
             complain_of(&error);
             Exit::of_writing(&error)

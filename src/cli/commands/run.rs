@@ -14,6 +14,7 @@ use crate::files::make_durable;
 use crate::remote::Pace;
 use crate::results::claims::claim_table;
 use crate::results::pareto::{Work, pareto_table};
+use crate::results::searches::search_table;
 use crate::results::{ListedVerdicts, endings, overview, table, verdicts};
 use crate::text::visible::{visible, visible_path};
 use clap::{Args, ValueEnum, ValueHint};
@@ -121,6 +122,7 @@ impl Run {
             timing: !self.each.no_timing,
             resume: self.resume && !self.fresh,
         };
+        let at_most = if plan.has_search() { "at most " } else { "" };
         let side_by_side = options.jobs.min(runs + references);
         let started = BatchStarted { jobs: side_by_side, ..BatchStarted::new(&plan, &options) };
         let mut junit = self.junit.listener(&plan, &options).map_err(|error| refuse(&error, last, Exit::Invalid))?;
@@ -138,7 +140,7 @@ impl Run {
             0 => String::new(),
             n => format!(", then {} one at a time for timing", plural(n, "repetition")),
         };
-        complain(&format!("{}, {side_by_side} in parallel{then}", counted(runs, references)));
+        complain(&format!("{at_most}{}, {side_by_side} in parallel{then}", counted(runs, references)));
         let _ = format.emit(Message::BatchStarted(started));
         let mut listeners: Vec<&mut dyn Listener> = Vec::new();
         if format == MessageFormat::Json {
@@ -243,12 +245,13 @@ pub(super) fn summary(report: &Report, shows: Shows) -> String {
     if let Some(shown) = shown(shows) {
         out += &part(verdicts(&rows, shown, width));
     }
+    out += &part(search_table(&report.searches, width));
     out += &part(claim_table(&report.claims, width));
     out += &remarks(report, shows);
     let Some(files) = &report.summary else { return out };
     out += "\nwritten:\n";
     let batch = [&files.csv, &files.parquet, &report.runs_log].into_iter().chain(&report.page);
-    let batch = batch.chain(&report.claims_file).map(PathBuf::as_path);
+    let batch = batch.chain(&report.search_files).chain(&report.claims_file).map(PathBuf::as_path);
     let runs = report.references.iter().chain(&report.finished).filter(|_| shows.verbose).flat_map(|f| &f.files);
     for path in batch.chain(shows.junit).chain(runs.map(PathBuf::as_path)) {
         // Writing to a String cannot fail.

@@ -7,6 +7,7 @@ use crate::results::merge::copy_run::copy_run;
 use crate::results::merge::merge_error::MergeError;
 use crate::results::merge::missing::Missing;
 use crate::results::merge::shards::Shards;
+use crate::results::searches::{SearchResult, write_searches};
 use crate::results::{
     BoundedSample, Rows, RunRecord, RunStatistics, RunsLog, SummaryFiles, SummaryRow, write_summary_of,
 };
@@ -26,6 +27,10 @@ pub struct Merged {
     pub summary: SummaryFiles,
     /// `runs.jsonl`.
     pub runs_log: PathBuf,
+    /// Results of the searches.
+    pub searches: Vec<SearchResult>,
+    /// Their files; none without searches.
+    pub search_files: Vec<PathBuf>,
     /// Results of the claims.
     pub claims: Vec<ClaimVerdict>,
     /// `claims.json`; none without claims.
@@ -93,8 +98,22 @@ impl Shards {
         unfinished += references.iter().filter(|r| r.record.summary_row().is_refused()).count();
         let claims = tally.verdicts();
         let claims_file = write_claims(output, &claims)?;
+        let searches = self.searches();
+        let search_files = write_searches(output, &searches)?;
         let runs = sample.into_sorted();
-        Ok(Merged { statistics, runs, references, summary, runs_log, claims, claims_file, unfinished, failed })
+        Ok(Merged {
+            statistics,
+            runs,
+            references,
+            summary,
+            runs_log,
+            searches,
+            search_files,
+            claims,
+            claims_file,
+            unfinished,
+            failed,
+        })
     }
 }
 

@@ -45,13 +45,14 @@ impl Shards {
         if let Some(twins) = twins.find(self)? {
             return Err(MergeError::Runs(vec![twins]));
         }
-        let gaps = self.runs().saturating_sub(listed);
+        let gaps = self.runs().saturating_sub(listed).saturating_sub(self.unused());
         let mut lines = self.missing_shards();
         if gaps > 0 && lines.is_empty() {
             return Err(MergeError::Runs(vec![format!(
                 "{gaps} runs of the plan are in no shard: a {SHARD_LIST} lacks lines"
             )]));
         }
+        lines.extend(self.unfinished_searches());
         let missing_logs = missing_logs(self, &check)?;
         let ShardCheck { absent, broken, .. } = check.require_equal()?;
         for (shard, missing) in absent.into_iter().enumerate() {

@@ -15,6 +15,7 @@ mod missing_logs;
 mod plan_walk;
 mod record_difference;
 mod references;
+mod searches;
 mod shard_check;
 mod shards;
 mod twins;

@@ -5,6 +5,7 @@ mod claim;
 mod event;
 mod force;
 mod object;
+mod search;
 mod task;
 mod terrain;
 
@@ -31,6 +32,7 @@ const MAX_LOG_RATE: f64 = 1e9;
 const MAX_ENTRIES: usize = 10_000;
 
 pub(super) use claim::check_claims;
+pub(super) use search::check_search;
 
 /// Checks of a scenario whose single values are valid.
 struct Check<'a> {

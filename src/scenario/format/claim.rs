@@ -124,7 +124,7 @@ impl ClaimSpec {
     pub fn statement(&self) -> String {
         let relation = if self.at_least.is_some() { "at least" } else { "at most" };
         let subject = match (&self.share, &self.difference, &self.metric) {
-            (Some(share), ..) => format!("share of runs with {}", condition(share)),
+            (Some(share), ..) => format!("share of runs with {}", share.condition()),
             (None, Some(column), _) => {
                 let (key, values) = self.between.first_key_value().map_or(("", &[][..]), |(k, v)| (k, v));
                 let texts: Vec<String> = values.iter().map(value_text).collect();
@@ -146,16 +146,4 @@ impl ClaimSpec {
 /// A swept value without the quotes of a text.
 pub fn value_text(value: &toml::Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
-}
-
-/// Such as `outcome passed`, `impacts at most 3`.
-fn condition(share: &Expect) -> String {
-    let name = share.metric.as_deref().unwrap_or("value");
-    match (share.outcome, share.allowed(), share.min, share.max) {
-        (Some(outcome), ..) => format!("outcome {}", outcome.name()),
-        (None, Some(allowed), ..) => format!("{name} within {allowed} of {}", share.value.unwrap_or(0.0)),
-        (None, None, Some(min), Some(max)) => format!("{name} from {min} to {max}"),
-        (None, None, Some(min), None) => format!("{name} at least {min}"),
-        (None, None, None, max) => format!("{name} at most {}", max.unwrap_or(0.0)),
-    }
 }

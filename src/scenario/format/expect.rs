@@ -72,7 +72,7 @@ impl ExpectedOutcome {
 }
 
 /// A numeric column of the summary.
-pub(super) fn metric<'de, D: Deserializer<'de>>(d: D) -> Result<Option<String>, D::Error> {
+pub(in crate::scenario::format) fn metric<'de, D: Deserializer<'de>>(d: D) -> Result<Option<String>, D::Error> {
     let name = String::deserialize(d)?;
     let is_error = name.strip_prefix("error_").is_some_and(|of| METRICS.contains(&of));
     if METRICS.contains(&name.as_str()) || is_error {
@@ -83,6 +83,18 @@ pub(super) fn metric<'de, D: Deserializer<'de>>(d: D) -> Result<Option<String>, 
 }
 
 impl Expect {
+    /// What it requires, such as `outcome passed`, `impacts at most 3`.
+    pub fn condition(&self) -> String {
+        let name = self.metric.as_deref().unwrap_or("value");
+        match (self.outcome, self.allowed(), self.min, self.max) {
+            (Some(outcome), ..) => format!("outcome {}", outcome.name()),
+            (None, Some(allowed), ..) => format!("{name} within {allowed} of {}", self.value.unwrap_or(0.0)),
+            (None, None, Some(min), Some(max)) => format!("{name} from {min} to {max}"),
+            (None, None, Some(min), None) => format!("{name} at least {min}"),
+            (None, None, None, max) => format!("{name} at most {}", max.unwrap_or(0.0)),
+        }
+    }
+
     /// Greatest allowed distance from `value`; none without a value.
     pub fn allowed(&self) -> Option<f64> {
         let relative = self.relative_tolerance.unwrap_or(0.0);

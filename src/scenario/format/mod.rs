@@ -17,6 +17,7 @@ pub mod object;
 pub mod random;
 pub mod robot;
 pub mod run;
+pub mod search;
 pub mod self_collision;
 pub mod sensors;
 pub mod sweep;

@@ -109,7 +109,7 @@ fn ends(a: f64, b: f64, n: usize, inner: impl Fn(usize) -> f64) -> Vec<f64> {
 
 /// The number with 14 significant decimal digits relative to `scale`: exact when both ends are
 /// decimal, and closer than any simulation resolves otherwise.
-fn decimal(x: f64, scale: f64) -> f64 {
+pub fn decimal(x: f64, scale: f64) -> f64 {
     if scale == 0.0 {
         return 0.0;
     }

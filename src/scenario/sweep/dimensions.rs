@@ -179,7 +179,7 @@ impl<'a> GroupCollector<'a, '_> {
         if path.segments[0].0 == "claim" {
             return Err(refuse(format!("`{}` cannot be swept: a claim is about all runs", entry.key)));
         }
-        if ["sweep", "schema"].contains(&path.segments[0].0.as_str()) {
+        if ["sweep", "schema", "search"].contains(&path.segments[0].0.as_str()) {
             return Err(refuse(format!("`{}` cannot be swept", entry.key)));
         }
         let mut earlier = self.groups.iter().flat_map(Group::keys).chain(here);

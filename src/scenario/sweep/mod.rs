@@ -11,5 +11,6 @@ mod dimensions;
 mod grid;
 mod random;
 
+pub(super) use axis::decimal;
 pub use grid::MAX_BATCH_RUNS;
 pub(super) use grid::{Cell, Dimension, Grid, Key};
