@@ -10,6 +10,8 @@
 #   STICTION_JOBS               parallel runs
 #   STICTION_OUTPUT             folder of results; default: results
 #   STICTION_BASELINE           folder of earlier results
+#   STICTION_HISTORY            history of results, to which these are appended after the comparison; instead of a baseline
+#   STICTION_LABEL              name of the results in the history; default: the commit that the server names
 #   STICTION_COMPARE_ARGUMENTS  options of `runner compare`
 # Writes junit.xml, messages.jsonl, summary.md and compare.json in the folder of results, and, where GitHub gives them,
 # to GITHUB_OUTPUT and GITHUB_STEP_SUMMARY.
@@ -19,6 +21,8 @@ here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 runner=${STICTION_RUNNER:-runner}
 output=${STICTION_OUTPUT:-results}
 baseline=${STICTION_BASELINE:-}
+history=${STICTION_HISTORY:-}
+label=${STICTION_LABEL:-${GITHUB_SHA:-${CI_COMMIT_SHA:-}}}
 github=${GITHUB_ACTIONS:-}
 
 set_output() {
@@ -74,6 +78,8 @@ single_line() {
 
 single_line output "$output"
 single_line baseline "$baseline"
+single_line history "$history"
+single_line label "$label"
 single_line jobs "${STICTION_JOBS:-}"
 
 arguments=()
@@ -104,6 +110,9 @@ for line in ${lines[@]+"${lines[@]}"}; do
 done
 if [ ${#scenarios[@]} -eq 0 ]; then
     fail "no scenarios are given"
+fi
+if [ -n "$baseline" ] && [ -n "$history" ]; then
+    fail "baseline and history are given; the history is the baseline"
 fi
 
 command -v -- "$runner" >/dev/null || fail "there is no program $runner"
@@ -139,12 +148,17 @@ trap - INT TERM
 
 # Only results of this batch: invalid input leaves those of an earlier one.
 attempted=()
-if [ -n "$baseline" ] && [ -f "$junit" ]; then
-    attempted=("--baseline=$baseline")
-    if [ -e "$baseline" ]; then
+if [ -n "$baseline$history" ] && [ -f "$junit" ]; then
+    attempted=("--baseline=$baseline$history")
+    against=("--baseline=$baseline$history")
+    if [ -n "$history" ]; then
+        against+=(--append "--label=$label")
+    fi
+    # A history is created.
+    if [ -n "$history" ] || [ -e "$baseline" ]; then
         compare_code=0
-        "$runner" compare --format=json ${compare_arguments[@]+"${compare_arguments[@]}"} \
-            -- "$baseline" "$output" >"$compared" || compare_code=$?
+        "$runner" compare --format=json "${against[@]}" ${compare_arguments[@]+"${compare_arguments[@]}"} \
+            -- "$output" >"$compared" || compare_code=$?
         attempted+=("--compare-code=$compare_code")
     fi
 fi

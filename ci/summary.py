@@ -211,8 +211,8 @@ def change_row(change):
     return abs(relative), [*name, short(old, digits), short(new, digits), short(new - old, 3, "+"), shown]
 
 
-def comparison(compared):
-    """Changes against the baseline: their number, and their part of the summary."""
+def differences(compared):
+    """Runs and values that differ: their number, and their part of the summary."""
     beyond, outcomes = compared["beyond"], compared["outcomes"]
     gone, added = compared["only_in_a"], compared["only_in_b"]
     changed = len(beyond) + len(outcomes) + len(gone) + len(added)
@@ -252,6 +252,36 @@ def comparison(compared):
     return changed, lines
 
 
+def trends(history):
+    """Trends of metrics over the results of a history."""
+    found = [series for series in history["series"] if series["trend"] and series["trend"]["is_shown"]]
+    if not found:
+        return 0, []
+    rows = [
+        [
+            code(series["run"]),
+            code(series["column"]),
+            *(number(series[key]) for key in ("value", "last", "median")),
+            "rises" if series["trend"]["s"] > 0 else "falls",
+            short(series["trend"]["p"], 2),
+        ]
+        for series in found
+    ]
+    header = ["run", "metric", "now", "before", "median", "trend", "p"]
+    return len(found), table(header, {2, 3, 4, 6}, rows, "trend")
+
+
+def comparison(result):
+    """A result against the baseline or history: the number of changes, and their part of the summary."""
+    if not result["is_compared"]:
+        return 0, ["The history has no other results yet.", ""]
+    changed, lines = differences(result["changes"])
+    drifting, part = trends(result["history"]) if "history" in result else (0, [])
+    lines += part
+    lines += claim_table(result["claims"], "Claims about changes")
+    return changed + drifting + sum(claim["verdict"] == "fails" for claim in result["claims"]), lines
+
+
 def annotations(runs, diagnostics):
     """Workflow commands of GitHub. Their values are escaped: no text of a file makes another command."""
 
@@ -278,7 +308,7 @@ def annotations(runs, diagnostics):
     return lines[:ANNOTATIONS]
 
 
-def claim_table(claims):
+def claim_table(claims, title="Claims"):
     """The claims with verdict, measured value and bounds; nothing without claims."""
     if not claims:
         return []
@@ -290,7 +320,7 @@ def claim_table(claims):
         rows.append("| " + " | ".join(cells) + " |")
     if len(claims) > ROWS:
         rows += ["", f"and {count(len(claims) - ROWS, 'more claim')}"]
-    return ["#### Claims", "", *rows, ""]
+    return [f"#### {title}", "", *rows, ""]
 
 
 def summary(messages, compared, given):
@@ -348,7 +378,7 @@ def summary(messages, compared, given):
             failure = f"failed with exit code {given.compare_code}: the log of this step has its error."
             lines += [f"The comparison with {code(given.baseline)} {failure}", ""]
         else:
-            changed, part = comparison(compared)
+            changed, part = comparison(compared["results"][0])
             lines += part
     return "\n".join(lines), failed, changed
 
@@ -368,6 +398,8 @@ def main():
         compared = json.loads(Path(given.compare).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         compared = None
+    # The program prints nothing if it cannot compare.
+    compared = compared if isinstance(compared, dict) and compared.get("results") else None
     text, failed, changed = summary(messages, compared, given)
     Path(given.output, "summary.md").write_text(text, encoding="utf-8")
 

@@ -15,6 +15,7 @@ mod determinism;
 mod faults;
 mod force;
 mod force_balance;
+mod history;
 mod identities;
 mod library;
 mod link;

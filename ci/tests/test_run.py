@@ -213,6 +213,76 @@ class Inputs(Case):
         self.assertIn("junit=results/junit.xml", (self.folder / "output").read_text(encoding="utf-8"))
 
 
+class Claims(Case):
+    def test_verdicts_are_listed_with_bounds(self):
+        # Distances are v^2 / (2 mu g) with v of 2 m/s in all runs.
+        claims = """sweep = { repeat = 6 }
+claim = [
+    { name = "far", quantile = 0.5, metric = "final_base_x", at_least = 0.3 },
+    { name = "near | *all*", quantile = 0.5, metric = "final_base_x", at_most = 0.3 },
+    { name = "often", share = { outcome = "passed" }, at_least = 0.9 },
+]
+"""
+        self.write("slide.toml", scenario() + claims)
+        step = self.run_step()
+        self.assertEqual(step.code, 1, step.stderr)
+        self.assertIn("#### Claims\n", step.summary)
+        rows = cells(step.summary.replace("\\|", "!"), "`slide: far`")
+        self.assertEqual([row[1] for row in rows], ["holds"])
+        # All six values are equal.
+        self.assertEqual(rows[0][2:], ["`0.5 quantile of final_base_x at least 0.3`", "0.408", "0.408", "0.408", "6 of 6"])
+        self.assertEqual(cells(step.summary.replace("\\|", "!"), "`slide: near ! *all*`")[0][1], "fails")
+        # P(X <= 6) is 1: the lower bound is 0.05^(1/6).
+        often = cells(step.summary, "`slide: often`")[0]
+        self.assertEqual(often[1:2] + often[3:], ["undecided", "1", "0.607", "1", "6 of 6"])
+
+    def test_no_claims(self):
+        self.write("slide.toml", scenario())
+        self.assertNotIn("Claims", self.run_step().summary)
+
+
+class History(Case):
+    CLAIM = """sweep = { repeat = 5 }
+claim = [{ name = "stays", change = "final_base_x", at_most = 0.05 }]
+"""
+
+    def test_results_are_appended_and_compared(self):
+        path = self.write("slide.toml", scenario() + self.CLAIM)
+        step = self.run_step(history="kept/h.parquet", label="v1")
+        self.assertEqual((step.code, step.outputs["changed"]), (0, "0"), step.stderr)
+        self.assertIn("The history has no other results yet.", step.summary)
+        self.assertNotIn("Claims about changes", step.summary)
+        path.write_text(scenario(friction=0.4) + self.CLAIM, encoding="utf-8")
+        step = self.run_step(history="kept/h.parquet", label="v2", compare_arguments="--absolute 1\n--threshold evaluations=inf")
+        # An outcome of each run, and the claim: 0.102 m farther.
+        self.assertEqual((step.code, step.outputs["changed"]), (1, "6"), step.summary)
+        self.assertIn("#### Claims about changes\n", step.summary)
+        statement = "`median of the change of final_base_x against the baseline at most 0.05`"
+        self.assertEqual(
+            cells(step.summary, "`slide: stays`")[0][1:], ["fails", statement, "0.102", "0.102", "0.102", "5 of 5"]
+        )
+        compared = json.loads((self.work / "results/compare.json").read_text(encoding="utf-8"))
+        self.assertEqual(compared["results"][0]["appended"], {"state": "new", "results": 2, "rows": 10, "removed": 0})
+
+    def test_trends_are_listed(self):
+        # 4e-7 m farther each time, and 3e-6 m in all.
+        for i in range(8):
+            self.write("slide.toml", scenario(friction=0.5 * (1 - 1e-6 * i)))
+            step = self.run_step(history="kept", compare_arguments="--threshold final_base_x=1e-6")
+        compared = json.loads((self.work / "results/compare.json").read_text(encoding="utf-8"))
+        trends = [s for s in compared["results"][0]["history"]["series"] if s["trend"]["is_shown"]]
+        self.assertIn("final_base_x", [series["column"] for series in trends])
+        rows = [row for row in cells(step.summary, "`slide`") if len(row) == 7]
+        self.assertEqual([row[1] for row in rows], [f"`{series['column']}`" for series in trends])
+        # 2 / 8!
+        self.assertEqual({(row[5], row[6]) for row in rows if row[1] == "`final_base_x`"}, {("rises", "5e-5")})
+
+    def test_a_history_is_the_baseline(self):
+        self.write("slide.toml", scenario())
+        step = self.run_step(history="h", baseline="b")
+        self.assertEqual((step.code, step.outputs), (2, {"exit-code": "2"}))
+
+
 class Baseline(Case):
     def test_changed_metrics_are_listed(self):
         path = self.write("slide.toml", scenario())
@@ -274,6 +344,7 @@ class Baseline(Case):
 
 
 class Hostile(Case):
+    NAMES = ("scenarios", "arguments", "set", "jobs", "output", "baseline", "history", "label", "compare_arguments")
     INPUTS = [
         "$(touch x)",
         "`touch x`",
@@ -287,9 +358,11 @@ class Hostile(Case):
     def test_no_input_is_executed(self):
         self.write("a.toml", scenario())
         for text in self.INPUTS:
-            for name in ("scenarios", "arguments", "set", "jobs", "output", "baseline", "compare_arguments"):
+            for name in self.NAMES:
                 option = {"arguments": f"--filter {text}", "compare_arguments": f"--absolute {text}"}.get(name, text)
                 given = {"scenarios": "a.toml", "arguments": "--no-timing", "baseline": "results", name: option}
+                given.update({"history": "kept", "baseline": None} if name in ("history", "label") else {})
+                given.update({name: option})
                 with self.subTest(input=name, text=text):
                     step = self.run_step(**given)
                     self.assertEqual(step.outputs.get("exit-code"), str(step.code))
@@ -298,7 +371,7 @@ class Hostile(Case):
 
     def test_line_breaks_add_no_outputs(self):
         self.write("a.toml", scenario())
-        for name in ("output", "baseline", "jobs"):
+        for name in ("output", "baseline", "jobs", "history", "label"):
             step = self.run_step(**{name: "1\nexit-code=0"})
             self.assertEqual((step.code, step.outputs), (2, {"exit-code": "2"}))
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use stiction::files::names;
-use stiction::report::{Pictured, found_runs, write_report_of};
+use stiction::report::{Pictured, ShownBatch, found_runs, write_report_of};
 use stiction::results::claims::{claim_table, read_claims};
 use stiction::results::compare::{Limits, Results, compare};
 use stiction::results::merge::Shards;
@@ -62,7 +62,8 @@ fn record(bytes: &[u8]) {
     let (rows, reference_rows) = (summary_rows(&runs), summary_rows(&listing.references));
     let (shown, references) = (found_runs(&rows, &runs), found_runs(&reference_rows, &listing.references));
     let page = folder.join(names::REPORT);
-    write_report_of(&page, &folder, (&shown, &statistics), &references, (&Pictured::Few, &[], &[])).expect("a report");
+    write_report_of(&page, &folder, (&shown, &statistics), &references, (&Pictured::Few, ShownBatch::default()))
+        .expect("a report");
     assert_inert(&samples::text(&page));
     let _ = pareto_table(&rows.iter().map(Work::of).collect::<Vec<_>>(), WIDTH);
     let _ = (table(&rows, WIDTH), endings(&rows, true), overview(&statistics, &BTreeSet::new(), WIDTH));
@@ -82,8 +83,8 @@ fn claims(bytes: &[u8]) {
     };
     let _ = claim_table(&claims, WIDTH);
     let page = folder.join(names::REPORT);
-    write_report_of(&page, &folder, (&[], &RunStatistics::default()), &[], (&Pictured::Few, &claims, &[]))
-        .expect("a report");
+    let batch = ShownBatch { claims: &claims, ..ShownBatch::default() };
+    write_report_of(&page, &folder, (&[], &RunStatistics::default()), &[], (&Pictured::Few, batch)).expect("a report");
     assert_inert(&samples::text(&page));
 }
 
@@ -97,8 +98,8 @@ fn searches(bytes: &[u8]) {
     };
     let _ = search_table(&searches, WIDTH);
     let page = folder.join(names::REPORT);
-    write_report_of(&page, &folder, (&[], &RunStatistics::default()), &[], (&Pictured::Few, &[], &searches))
-        .expect("a report");
+    let batch = ShownBatch { searches: &searches, ..ShownBatch::default() };
+    write_report_of(&page, &folder, (&[], &RunStatistics::default()), &[], (&Pictured::Few, batch)).expect("a report");
     assert_inert(&samples::text(&page));
 }
 

@@ -163,7 +163,7 @@ pub fn report(py: Python<'_>, folder: PathBuf) -> PyResult<PathBuf> {
         let listing = list_records(&folder)?;
         match listing.runs() {
             0 => Ok(None),
-            _ => rewrite_results(&folder, &listing, &[], (&page, &Pictured::Few)).map(Some),
+            _ => rewrite_results(&folder, &listing, &[], (&page, &Pictured::Few, None)).map(Some),
         }
     });
     match written {

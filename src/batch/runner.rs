@@ -15,7 +15,7 @@ use crate::batch::dispatch::{repetitions, workers};
 use crate::batch::resume::resumed;
 use crate::batch::{BatchError, Body, Finished, Listener, NoListener, Options, Plan, Progress, Report, Resumed};
 use crate::files::{RecordError, confined, if_present, names, remove_partial};
-use crate::report::{Pictured, ReportRun, write_report_of};
+use crate::report::{Pictured, ReportRun, ShownBatch, write_report_of};
 use crate::results::claims::{ClaimVerdict, write_claims};
 use crate::results::searches::{SearchResult, write_searches};
 use crate::results::{Machine, PROGRAM, RunStatistics, RunsLog, ShardHead, write_summary_of};
@@ -164,7 +164,7 @@ impl Batch {
         }
         let verdicts = claims.verdicts();
         verdicts.iter().for_each(|verdict| listener.judged(verdict));
-        let claims_file = write_claims(output, &verdicts)?;
+        let claims_file = write_claims(output, &verdicts, claims.changes())?;
         let rows = AllRows { store: &store, plan, output, statistics: RefCell::default() };
         let summary = if store.count == 0 { None } else { Some(write_summary_of(output, &rows)?) };
         let (count, statistics) = (store.count, rows.statistics.into_inner().unwrap_or_default());
@@ -207,7 +207,13 @@ fn write_page(
     let (page, machine) = (output.join(names::REPORT), Machine::here());
     let runs = as_reported(finished, &machine);
     let references = as_reported(references, &machine);
-    write_report_of(&page, output, (&runs, statistics), &references, (&Pictured::Few, claims, searches))?;
+    write_report_of(
+        &page,
+        output,
+        (&runs, statistics),
+        &references,
+        (&Pictured::Few, ShownBatch { claims, searches, history: None }),
+    )?;
     Ok(page)
 }
 

@@ -101,7 +101,7 @@ pub type Codes = [(Exit, &'static str)];
 
 const SCENARIO: &str = "wrong usage, or a scenario, robot or filter is invalid";
 const NOTHING: &str = "nothing selected: no scenario in a folder, no run left by the filter";
-const UNDECIDED: &str = "no claim fails, and one is undecided, or a search found no boundary or several";
+const UNDECIDED: &str = "no claim fails, and one is undecided, or a search has no result";
 const STDOUT: &str = "standard output could not be written to the end";
 const FILE: &str = "a file or standard output could not be written to the end";
 
@@ -164,14 +164,23 @@ pub fn codes(command: &str) -> &'static Codes {
             (Exit::Undecided, "with --wait: no claim fails, and one is undecided"),
         ],
         "compare" => &[
-            (Exit::Success, "all values within their tolerances, the same runs in both"),
+            (
+                Exit::Success,
+                "all values within their tolerances, the same runs in both; with --baseline also: no trend, every claim \
+                 about changes holds",
+            ),
             (
                 Exit::Failed,
-                "a value beyond its tolerance, an outcome or verdict changed, or a run that only one of them has",
+                "a value beyond its tolerance, an outcome or verdict changed, or a run that only one of them has; with \
+                 --baseline also: a trend, or a claim about changes fails",
             ),
-            (Exit::Invalid, "wrong usage, or results that cannot be read"),
-            (Exit::Unfinished, STDOUT),
+            (
+                Exit::Invalid,
+                "wrong usage, results or a baseline that cannot be read, or a history whose path cannot be written",
+            ),
+            (Exit::Unfinished, "a history or standard output could not be written to the end"),
             (Exit::Nothing, "no runs in either"),
+            (Exit::Undecided, "with --baseline: nothing differs, and a claim about changes is undecided"),
         ],
         "export" => &[
             (Exit::Success, "written"),

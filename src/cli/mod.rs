@@ -95,7 +95,7 @@ enum Command {
     /// Run a batch as a cluster job array and merge its results
     #[command(after_help = submit::help())]
     Submit(submit::Submit),
-    /// Report differences between two results
+    /// Report differences between results, and keep a history of them
     #[command(after_help = exit::help("compare"))]
     Compare(compare::Compare),
     /// Write a log as CSV, Parquet or columns of text, or as a ROS 2 bag

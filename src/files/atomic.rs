@@ -105,6 +105,8 @@ pub enum OutputKind {
     Log,
     /// A table, in any format.
     Table,
+    /// A history of results.
+    History,
 }
 
 impl OutputKind {
@@ -116,6 +118,7 @@ impl OutputKind {
             OutputKind::Session => SESSION.as_bytes(),
             OutputKind::Log => mcap::MAGIC,
             OutputKind::Table => b"",
+            OutputKind::History => b"PAR1",
         }
     }
 
@@ -126,6 +129,7 @@ impl OutputKind {
             OutputKind::Session => "saved session",
             OutputKind::Log => "log",
             OutputKind::Table => "table",
+            OutputKind::History => "history",
         }
     }
 }

@@ -18,6 +18,8 @@ pub const SEARCHES: &str = "searches.json";
 pub const SEARCHES_CSV: &str = "searches.csv";
 /// The points of boundaries over two keys.
 pub const BOUNDARY_LINES: &str = "boundary-lines.csv";
+/// Earlier results, appended by `runner compare`.
+pub const HISTORY: &str = "history.parquet";
 /// The record of one run.
 pub const RUN_RECORD: &str = "run.json";
 /// The log of one run.
@@ -45,7 +47,7 @@ pub const SUMMARIES: [&str; 3] = [SUMMARY_CSV, SUMMARY_PARQUET, RUNS_LOG];
 pub const BATCH_MARKERS: [&str; 3] = [SHARD_LIST, RUNS_LOG, SUMMARY_CSV];
 
 /// Files that a table must not replace.
-pub const PROTECTED: [&str; 11] = [
+pub const PROTECTED: [&str; 12] = [
     RUN_RECORD,
     JOBS,
     SHARD_LIST,
@@ -57,6 +59,7 @@ pub const PROTECTED: [&str; 11] = [
     SEARCHES,
     SEARCHES_CSV,
     BOUNDARY_LINES,
+    HISTORY,
 ];
 
 /// Files of one run that may be symbolic links.

@@ -1,10 +1,10 @@
 //! The head of the page: runs, outcomes, programs, machines and dates.
 
 use crate::report::table::{Cell, Head, Part, Table};
-use crate::report::utc_date::utc;
 use crate::results::RunStatistics;
 use crate::sim::Outcome;
 use crate::text::plural::plural;
+use crate::text::utc_date::utc;
 use serde::Serialize;
 
 /// The head of the page.

@@ -5,6 +5,7 @@
 //! | runs, machines and dates | `head` |
 //! | searches | `searches`, drawn by `boundary_plot`, `line_plot`, `best_plot` |
 //! | claims | `claims`, drawn by `claim_plot` |
+//! | history of results | `history`, drawn by `history_plot` |
 //! | error over cost | `cost_section`, drawn by `cost_plot` |
 //! | residuals | `residuals` |
 //! | runs over time, from their logs | `pictures`, drawn by `run_plot` |
@@ -27,6 +28,8 @@ mod cost_plot;
 mod cost_section;
 mod expectations;
 mod head;
+mod history;
+mod history_plot;
 mod labels;
 mod line_plot;
 mod palette;
@@ -38,8 +41,8 @@ mod run_plot;
 mod runs;
 mod searches;
 mod table;
-mod utc_date;
 
+pub use history::ShownHistory;
 pub use rewrite::rewrite_results;
 
 use crate::files::names;
@@ -100,6 +103,17 @@ pub enum Pictured {
     Keys(Vec<String>),
 }
 
+/// What the report shows of a batch as a whole.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ShownBatch<'a> {
+    /// Results of claims.
+    pub claims: &'a [ClaimVerdict],
+    /// Results of searches.
+    pub searches: &'a [SearchResult],
+    /// Earlier results.
+    pub history: Option<ShownHistory<'a>>,
+}
+
 /// Writes the report on runs, in the given order, and on their reference runs. Paths on the page
 /// are relative to `results`, the folder of the records. The page names logs that cannot be read.
 ///
@@ -114,11 +128,10 @@ pub fn write_report(
 ) -> Result<(), RecordError> {
     let mut statistics = RunStatistics::default();
     runs.iter().for_each(|run| statistics.add(run.row, run.origin, run.file(names::RUN_RECORD)));
-    write_report_of(path, results, (runs, &statistics), references, (pictured, &[], &[]))
+    write_report_of(path, results, (runs, &statistics), references, (pictured, ShownBatch::default()))
 }
 
-/// Writes the report on a sample of the runs, with the statistics of all, and the results of claims and
-/// searches.
+/// Writes the report on a sample of the runs, with the statistics of all and of the batch.
 ///
 /// # Errors
 /// See [`write_report`].
@@ -127,7 +140,7 @@ pub fn write_report_of(
     results: &Path,
     (runs, statistics): (&[ReportRun], &RunStatistics),
     references: &[ReportRun],
-    batch: (&Pictured, &[ClaimVerdict], &[SearchResult]),
+    batch: (&Pictured, ShownBatch),
 ) -> Result<(), RecordError> {
     let page = page(results, (runs, statistics), references, batch)?;
     let html = render(&page).map_err(|source| RecordError::Report { path: path.to_owned(), source })?;
@@ -149,12 +162,12 @@ pub fn write_report_of_found(
     results: &Path,
     (runs, statistics): (&[FoundRun], &RunStatistics),
     references: &[FoundRun],
-    (claims, searches): (&[ClaimVerdict], &[SearchResult]),
+    batch: ShownBatch,
 ) -> Result<(), RecordError> {
     let rows = |runs: &[FoundRun]| runs.iter().map(|run| run.record.summary_row()).collect::<Vec<_>>();
     let (run_rows, reference_rows) = (rows(runs), rows(references));
     let (runs, references) = (found_runs(&run_rows, runs), found_runs(&reference_rows, references));
-    write_report_of(path, results, (&runs, statistics), &references, (&Pictured::Few, claims, searches))
+    write_report_of(path, results, (&runs, statistics), &references, (&Pictured::Few, batch))
 }
 
 /// Runs read from their records, with their rows.
@@ -170,6 +183,7 @@ struct Page {
     left_out: String,
     searches: searches::Section,
     claims: claims::Section,
+    history: history::Section,
     work: cost_section::Section,
     residuals: table::Table,
     pictures: pictures::Section,
@@ -184,14 +198,16 @@ fn page(
     results: &Path,
     (runs, statistics): (&[ReportRun], &RunStatistics),
     references: &[ReportRun],
-    (pictured, claims, searches): (&Pictured, &[ClaimVerdict], &[SearchResult]),
+    (pictured, batch): (&Pictured, ShownBatch),
 ) -> Result<Page, RecordError> {
+    let scenarios = statistics.scenarios().iter().map(|own| own.scenario.clone()).collect();
     let works: Vec<Work> = runs.iter().map(|run| Work::of(run.row)).collect();
     Ok(Page {
         head: head::head(statistics),
         left_out: left_out(statistics.runs() - runs.len()),
-        searches: searches::section(searches)?,
-        claims: claims::section(claims)?,
+        searches: searches::section(batch.searches)?,
+        claims: claims::section(batch.claims)?,
+        history: history::section(batch.history, &scenarios, batch.claims)?,
         work: cost_section::sections(&works)?,
         residuals: residuals::residuals(runs),
         pictures: pictures::pictures(runs, pictured)?,

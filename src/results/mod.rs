@@ -10,6 +10,7 @@
 //! | `searches` | results of searches |
 //! | `merge` | merges shards into one folder |
 //! | `compare` | compares two results |
+//! | `history` | many results in one file, and comparisons with them |
 //! | `pareto` | error over cost |
 //! | `table`, `verdict` | tables for the terminal |
 //!
@@ -23,6 +24,7 @@
 pub mod claims;
 pub mod compare;
 mod discovery;
+pub mod history;
 mod junit;
 mod log_fingerprint;
 pub mod merge;

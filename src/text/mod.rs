@@ -9,7 +9,7 @@
 //!   mean".
 //! - `visible`: escapes control characters in names; `plural`: counts with nouns.
 //! - `length_limit`: cuts the middle out of long messages.
-//! - `text_table`: tables for terminals; `quantity`: numeric fields with ranges and units.
+//! - `text_table`: tables for terminals; `utc_date`: dates of files; `quantity`: numeric fields with ranges and units.
 //! - `xml_syntax`: XML with positions; `xml_attributes`: limits the attributes of elements.
 //!
 //! Imports: nothing of this crate. Used by: `mesh`, `sdf`, `robot`, `motion`, `contact`, `script`, `scenario`,
@@ -27,6 +27,7 @@ pub mod suggest;
 pub mod text_table;
 pub(crate) mod toml_syntax;
 pub(crate) mod toml_tree;
+pub(crate) mod utc_date;
 pub mod visible;
 pub mod xml_attributes;
 pub(crate) mod xml_syntax;

@@ -11,3 +11,4 @@ mod height_fields;
 mod loops;
 mod mjcf;
 mod sdf;
+mod trend;

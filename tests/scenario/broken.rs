@@ -685,6 +685,42 @@ const BELOW_ROBOT: &[Broken] = &[
         "",
     ),
     Broken("[[claim]]\nname = \"c\"\nat_least = 0.9", (3, 1), "`claim.0` lacks the key `share` (or", ""),
+    Broken(
+        "[[claim]]\nname = \"c\"\nchange = \"impcts\"\nat_most = 0",
+        (5, 10),
+        "names no numeric column",
+        "`impacts`",
+    ),
+    Broken(
+        "[[claim]]\nname = \"c\"\nchange = \"impacts\"\nat_most = 0\nearly = true",
+        (7, 9),
+        "`claim.0.early` must not be given together with `change`",
+        "",
+    ),
+    Broken(
+        "[[claim]]\nname = \"c\"\nchange = \"impacts\"\nmetric = \"impacts\"\nat_most = 0",
+        (6, 10),
+        "`claim.0.metric` must not be given together with `change`",
+        "",
+    ),
+    Broken(
+        "[[claim]]\nname = \"c\"\nchange = \"impacts\"\nshare = { metric = \"impacts\", max = 1 }\nat_least = 0.5",
+        (6, 20),
+        "`claim.0.share.metric` must not be given: the limits are of the change of `impacts`",
+        "",
+    ),
+    Broken(
+        "[[claim]]\nname = \"c\"\nchange = \"impacts\"\nshare = { max = 1 }\nquantile = 0.5\nat_least = 0.5",
+        (7, 12),
+        "`claim.0.quantile` must not be given together with `share`",
+        "",
+    ),
+    Broken(
+        "[[claim]]\nname = \"c\"\nchange = \"impacts\"\nshare = { value = 1 }\nat_least = 0.5",
+        (6, 9),
+        "`claim.0.share` has `value` and lacks the key `tolerance`",
+        "",
+    ),
     Broken("[[claim]]\nname = \"c\"\nshare = { outcome = \"passed\" }", (3, 1), "lacks the key `at_least` (or", ""),
     Broken("[[claim]]\nname = \"c\"\nshar = 1", (5, 1), "unknown key `shar` in `claim.0`", "`share`"),
     Broken(

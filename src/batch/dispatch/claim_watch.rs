@@ -8,7 +8,7 @@ use crate::batch::dispatch::finished_runs::Store;
 use crate::batch::dispatch::schedule::Schedule;
 use crate::files::RecordError;
 use crate::results::SummaryRow;
-use crate::results::claims::{ClaimVerdict, Tally};
+use crate::results::claims::{ChangeClaim, ClaimVerdict, Tally};
 
 use std::path::Path;
 
@@ -56,6 +56,11 @@ impl<'a> ClaimWatch<'a> {
         let tally = self.lock();
         let mut parts = self.plan.claims_of(index).peekable();
         tally.is_empty() || parts.peek().is_none() || parts.any(|part| tally.needs(part))
+    }
+
+    /// The claims that need a baseline.
+    pub fn changes(&self) -> Vec<ChangeClaim> {
+        self.lock().changes()
     }
 
     /// The verdicts so far.

@@ -21,6 +21,8 @@ pub enum NumberError {
     NotNegative,
     #[error("expected a number of at least 1")]
     Ratio,
+    #[error("expected a number greater than 0 and less than 1")]
+    Level,
 }
 
 /// A whole number of 1 or more, for types without 0.
@@ -50,6 +52,11 @@ pub fn positive(text: &str) -> Result<f64, NumberError> {
 /// A number of 0 or more, or infinity.
 pub fn allowed(text: &str) -> Result<f64, NumberError> {
     text.trim().parse().ok().filter(|x: &f64| *x >= 0.0).ok_or(NumberError::NotNegative)
+}
+
+/// A probability between 0 and 1.
+pub fn level(text: &str) -> Result<f64, NumberError> {
+    finite(text).ok().filter(|x| *x > 0.0 && *x < 1.0).ok_or(NumberError::Level)
 }
 
 /// A number of 1 or more.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::batch::marks_implausible;
 use crate::files::{make_durable, names};
-use crate::report::write_report_of_found;
+use crate::report::{ShownBatch, write_report_of_found};
 use crate::results::claims::{Judgement, claim_table};
 use crate::results::merge::{MergeError, Merged, Shards};
 use crate::results::searches::{SearchVerdict, search_table};
@@ -58,7 +58,8 @@ impl Merge {
         let merged = shards.write(&self.output, &missing).map_err(refused)?;
         let page = self.output.join(names::REPORT);
         let runs = (merged.runs.as_slice(), &merged.statistics);
-        write_report_of_found(&page, &self.output, runs, &merged.references, (&merged.claims, &merged.searches))
+        let batch = ShownBatch { claims: &merged.claims, searches: &merged.searches, history: None };
+        write_report_of_found(&page, &self.output, runs, &merged.references, batch)
             .map_err(|error| refused(error.into()))?;
         print(&visible_lines(&summary(&merged, &page)))?;
         let is_any = |judgement| merged.claims.iter().any(|claim| claim.verdict == judgement);

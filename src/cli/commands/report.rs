@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use crate::files::{OutputKind, RecordError, check_replaceable, names};
-use crate::report::{Pictured, ReportRun, rewrite_results, write_report_of};
+use crate::report::{Pictured, ReportRun, ShownBatch, ShownHistory, rewrite_results, write_report_of};
 use crate::results::compare::read_table;
+use crate::results::history::History;
 use crate::results::pareto::{Work, pareto_table};
 use crate::results::{Listing, SummaryRow, list_records};
 use crate::text::visible::{visible_lines, visible_path};
@@ -23,6 +24,10 @@ pub struct Report {
     /// Keys of runs to plot over time, or their beginnings [default: failed runs and a few others]
     #[arg(long, value_name = "KEY", num_args = 1..)]
     runs: Vec<String>,
+    /// A history of results to show, a file that `runner compare --append` wrote [default: history.parquet in RESULTS, or
+    /// next to the table, if there is one]
+    #[arg(long, value_name = "FILE")]
+    history: Option<PathBuf>,
     /// File of the page [default: report.html in RESULTS, or next to the table]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -54,9 +59,10 @@ impl Report {
         let read = listing.runs() + listing.references.len();
         complain(&format!("{} read, {} passed over", plural(read, "record"), listing.skipped.len()));
         let (selected, pictured) = self.pictured(&listing)?;
+        let history = self.read_history(&self.results)?;
         let page = self.output.unwrap_or_else(|| self.results.join(names::REPORT));
-        let (files, rows) =
-            rewrite_results(&self.results, &listing, &selected, (&page, &pictured)).map_err(unwritten)?;
+        let (files, rows) = rewrite_results(&self.results, &listing, &selected, (&page, &pictured, history.as_ref()))
+            .map_err(unwritten)?;
         print_written(&rows, &[&files.csv, &files.parquet, &page])
     }
 
@@ -80,14 +86,28 @@ impl Report {
         }
         complain(&format!("{} read", plural(table.statistics.runs(), "row")));
         let folder = self.results.parent().unwrap_or(Path::new("")).to_owned();
+        let history = self.read_history(&folder)?;
         let page = self.output.unwrap_or_else(|| folder.join(names::REPORT));
         let shown: Vec<ReportRun> = table.rows.iter().map(ReportRun::of_row).collect();
-        let written = write_report_of(&page, &folder, (&shown, &table.statistics), &[], (&Pictured::Few, &[], &[]));
+        let history = history.as_ref().map(|history| ShownHistory { history, changes: &[] });
+        let shown_batch = ShownBatch { history, ..ShownBatch::default() };
+        let runs = (&shown[..], &table.statistics);
+        let written = write_report_of(&page, &folder, runs, &[], (&Pictured::Few, shown_batch));
         written.map_err(|error| {
             complain_of(&error);
             Exit::of_writing(&error)
         })?;
         print_written(&table.rows, &[&page])
+    }
+
+    /// The history that is named, or else in `folder`.
+    fn read_history(&self, folder: &Path) -> Result<Option<History>, Exit> {
+        let beside = Some(folder.join(names::HISTORY)).filter(|path| path.is_file());
+        let read = self.history.clone().or(beside).map(|path| History::read(&path)).transpose();
+        read.map_err(|error| {
+            complain_of(error);
+            Exit::Invalid
+        })
     }
 
     /// Positions and keys of the runs that the arguments name; each argument must match a run.

@@ -1,7 +1,8 @@
-//! `claims.json`: the results of the claims of a batch.
+//! `claims.json`: the results of the claims of a batch, and its claims about changes.
 
 use crate::files::{RecordError, input, json, names};
 use crate::results::PROGRAM;
+use crate::results::claims::change_claim::ChangeClaim;
 use crate::results::claims::verdict::ClaimVerdict;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -15,18 +16,26 @@ struct ClaimsFile {
     schema: u32,
     program: String,
     claims: Vec<ClaimVerdict>,
+    /// Claims that need a baseline.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    changes: Vec<ChangeClaim>,
 }
 
 /// Writes the results of claims into a folder of results; no file without claims.
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write_claims(results: &Path, claims: &[ClaimVerdict]) -> Result<Option<PathBuf>, RecordError> {
-    if claims.is_empty() {
+pub fn write_claims(
+    results: &Path,
+    claims: &[ClaimVerdict],
+    changes: Vec<ChangeClaim>,
+) -> Result<Option<PathBuf>, RecordError> {
+    if claims.is_empty() && changes.is_empty() {
         return Ok(None);
     }
     let path = results.join(names::CLAIMS);
-    let file = ClaimsFile { schema: CLAIMS_SCHEMA, program: PROGRAM.to_owned(), claims: claims.to_vec() };
+    let (program, claims) = (PROGRAM.to_owned(), claims.to_vec());
+    let file = ClaimsFile { schema: CLAIMS_SCHEMA, program, claims, changes };
     json::write_pretty(&path, &file)?;
     Ok(Some(path))
 }
@@ -36,10 +45,22 @@ pub fn write_claims(results: &Path, claims: &[ClaimVerdict]) -> Result<Option<Pa
 /// # Errors
 /// The file cannot be read, or is of another version.
 pub fn read_claims(results: &Path) -> Result<Vec<ClaimVerdict>, RecordError> {
+    Ok(read_file(results)?.map_or_else(Vec::new, |file| file.claims))
+}
+
+/// Reads the claims about changes in a folder of results; none without a file.
+///
+/// # Errors
+/// As [`read_claims`].
+pub fn read_change_claims(results: &Path) -> Result<Vec<ChangeClaim>, RecordError> {
+    Ok(read_file(results)?.map_or_else(Vec::new, |file| file.changes))
+}
+
+fn read_file(results: &Path) -> Result<Option<ClaimsFile>, RecordError> {
     let path = results.join(names::CLAIMS);
     match input::read(&path, input::MOST_DATA) {
-        Ok(bytes) => json::parse::<ClaimsFile>(&bytes, &path, CLAIMS_SCHEMA).map(|file| file.claims),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(Vec::new()),
+        Ok(bytes) => json::parse(&bytes, &path, CLAIMS_SCHEMA).map(Some),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(RecordError::io(&path)(error)),
     }
 }

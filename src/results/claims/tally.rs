@@ -1,5 +1,6 @@
 //! Counts the observations of claims in the order of the plan.
 
+use crate::results::claims::change_claim::ChangeClaim;
 use crate::results::claims::claim_head::{ClaimHead, RunClaim};
 use crate::results::claims::verdict::{ClaimVerdict, Counted, verdict};
 use crate::results::{SummaryRow, metric};
@@ -79,11 +80,17 @@ impl Tally {
         group.is_none_or(|group| !group.decided || part.unit < group.prefix)
     }
 
-    /// The verdicts of all claims, in the order of the plan. Groups without planned units are left
+    /// The claims that need a baseline, in the order of the plan.
+    pub fn changes(&self) -> Vec<ChangeClaim> {
+        let changes = self.heads.iter().filter(|head| head.claim.change.is_some());
+        changes.map(|head| ChangeClaim { scenario: head.scenario.clone(), claim: head.claim.clone() }).collect()
+    }
+
+    /// The verdicts of the other claims, in the order of the plan. Groups without planned units are left
     /// out, unless the claim has no other.
     pub fn verdicts(&self) -> Vec<ClaimVerdict> {
         let mut verdicts = Vec::new();
-        for (head, groups) in self.heads.iter().zip(&self.groups) {
+        for (head, groups) in self.heads.iter().zip(&self.groups).filter(|(head, _)| head.claim.change.is_none()) {
             let all = head.groups.iter().zip(groups);
             let planned = all.clone().filter(|(group, _)| group.planned > 0);
             let mut own: Vec<ClaimVerdict> = planned.map(|(group, tally)| tally.verdict(head, &group.label)).collect();
@@ -124,7 +131,7 @@ impl GroupTally {
 }
 
 /// Whether a unit counts for the share of the claim. Without a value it counts against the claim.
-fn counts(claim: &ClaimSpec, value: Option<f64>) -> bool {
+pub(super) fn counts(claim: &ClaimSpec, value: Option<f64>) -> bool {
     match value {
         None => !claim.question().at_least,
         Some(value) if claim.share.is_some() => value == 1.0,

@@ -74,6 +74,10 @@ pub struct ClaimVerdict {
     pub early: bool,
     /// True if a unit is a pair of runs.
     pub paired: bool,
+    /// Numeric column of the summary that it is about; null for outcomes. Earlier versions did not
+    /// record it.
+    #[serde(default)]
+    pub metric: Option<String>,
     /// Units (runs or pairs) that count: the first ones of the plan.
     pub used: usize,
     /// Units planned.
@@ -146,7 +150,8 @@ pub(super) fn verdict(head: &ClaimHead, label: &str, counted: Counted) -> ClaimV
         at_least: claim.at_least.is_some(),
         confidence: claim.confidence,
         early: claim.early,
-        paired: claim.difference.is_some(),
+        paired: claim.difference.is_some() || claim.change.is_some(),
+        metric: claim.column().map(str::to_owned),
         used: n,
         planned: counted.planned,
         without_value: counted.units.iter().filter(|(value, _)| value.is_none()).count(),

@@ -3,10 +3,8 @@
 use serde::Serialize;
 
 use crate::files::RecordError;
-use crate::results::claims::{ClaimVerdict, read_claims};
+use crate::results::claims::ClaimVerdict;
 use crate::results::compare::Results;
-
-use std::path::Path;
 
 /// A claim with different verdicts.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -22,8 +20,7 @@ pub struct ClaimChange {
 /// Claims of both results with different verdicts, in the order of A. Claims are in `claims.json` next
 /// to the rows.
 pub(super) fn claim_changes(a: &Results, b: &Results) -> Result<Vec<ClaimChange>, RecordError> {
-    let read = |results: &Results| read_claims(results.path.parent().unwrap_or(Path::new("")));
-    let (a, b) = (read(a)?, read(b)?);
+    let (a, b) = (a.claims()?, b.claims()?);
     let identity = |claim: &ClaimVerdict| (claim.scenario.clone(), claim.claim.clone(), claim.group.clone());
     let change = |first: &ClaimVerdict| {
         let second = b.iter().find(|other| identity(other) == identity(first))?;

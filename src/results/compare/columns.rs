@@ -5,11 +5,11 @@ use std::collections::HashMap;
 use crate::metrics::NUMERIC_COLUMNS;
 
 /// Digest that identifies a run.
-pub(super) type RunDigest = [u8; 16];
+pub(in crate::results) type RunDigest = [u8; 16];
 
 /// Names of columns with their positions.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Columns {
+pub(in crate::results) struct Columns {
     names: Vec<String>,
     positions: HashMap<String, usize>,
 }
@@ -48,13 +48,13 @@ impl Columns {
 
 /// True if the column has measured numbers, not swept parameters or text. Tables of other programs have
 /// `error_...` columns of their own.
-pub(super) fn is_measured(column: &str) -> bool {
+pub(in crate::results) fn is_measured(column: &str) -> bool {
     NUMERIC_COLUMNS.contains(&column) || column.starts_with("error_")
 }
 
 /// Digest of texts that identify a run. Sixteen bytes: among a million runs, two equal digests of
 /// different texts have a probability below 1e-26.
-pub(super) fn digest<'a>(texts: impl IntoIterator<Item = &'a str>) -> RunDigest {
+pub(in crate::results) fn digest<'a>(texts: impl IntoIterator<Item = &'a str>) -> RunDigest {
     let mut hasher = blake3::Hasher::new();
     for text in texts {
         hasher.update(&(text.len() as u64).to_le_bytes()).update(text.as_bytes());

@@ -10,11 +10,13 @@
 //! and so do two NaN; an empty cell agrees with an empty one only. Times are not results: they are
 //! compared only on request.
 //!
-//! `table_rows` reads such a file as rows of a summary, for the report.
+//! `table_rows` reads such a file as rows of a summary, for the report. `change_claims` judges claims
+//! about changes by the pairs.
 //!
 //! Imports `metrics`, `files`, `text`, and of `results` the rows and the terminal table. `runner compare` and
 //! `runner report` call it.
 
+mod change_claims;
 mod changes_text;
 mod claim_changes;
 mod columns;
@@ -33,12 +35,17 @@ use serde::Serialize;
 
 use crate::files::RecordError;
 
+pub use change_claims::judge_change_claims;
 pub use claim_changes::ClaimChange;
+pub(super) use columns::{Columns, RunDigest, digest, is_measured};
 pub use result_row::ResultRow;
+pub(super) use results::HISTORY_COLUMNS;
 pub use results::{Results, ResultsError};
+pub(super) use row_pairs::{identity, identity_of, same_text};
 pub use row_source::ResultsErrorCause;
+pub(super) use row_source::Rows;
 pub use table_rows::{TableRows, read_table};
-use tolerance::ColumnCheck;
+pub(super) use tolerance::ColumnCheck;
 pub use tolerance::{Limits, Tolerance, UnknownColumn};
 
 /// Differences between results A and B.

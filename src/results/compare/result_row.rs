@@ -34,12 +34,12 @@ impl ResultRow {
     }
 
     /// The cell at the position of a column.
-    pub(super) fn cell(&self, position: usize) -> &str {
+    pub(in crate::results) fn cell(&self, position: usize) -> &str {
         &self.cells[position]
     }
 
     /// The swept parameters with their values in the order of their names, without truths.
-    pub(super) fn parameters(&self) -> impl Iterator<Item = (&str, &str)> {
+    pub(in crate::results) fn parameters(&self) -> impl Iterator<Item = (&str, &str)> {
         let cells = self.columns.names().iter().map(String::as_str).zip(self.cells.iter().map(String::as_str));
         let mut found: Vec<_> = cells
             .filter(|(name, value)| {
@@ -52,7 +52,7 @@ impl ResultRow {
     }
 
     /// A label of the run: scenario, parameters, and a seed other than 1.
-    pub(super) fn label(&self) -> String {
+    pub(in crate::results) fn label(&self) -> String {
         let mut parts = vec![self.text("scenario").to_owned()];
         parts.extend(self.parameters().map(|(name, value)| format!("{name}={value}")));
         let seed = self.text("seed");

@@ -4,13 +4,18 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::files::RecordError;
 use crate::files::names::SUMMARIES;
+use crate::results::claims::{ClaimVerdict, read_claims};
 use crate::results::compare::columns::{Columns, RunDigest};
 use crate::results::compare::csv_rows::CsvRows;
 use crate::results::compare::json_rows::JsonRows;
 use crate::results::compare::parquet_rows::ParquetRows;
 use crate::results::compare::result_row::ResultRow;
 use crate::results::compare::row_source::{ResultsErrorCause, Rows};
+
+/// Columns that a history of results has, and a summary has not.
+pub(in crate::results) const HISTORY_COLUMNS: [&str; 3] = ["schema", "result", "recorded_unix_s"];
 
 /// Results of runs, open for reading.
 pub struct Results {
@@ -20,6 +25,8 @@ pub struct Results {
     /// Digest of scenario and key of each row.
     runs: Vec<RunDigest>,
     rows: Box<dyn Rows>,
+    /// Results of claims, where they are not in `claims.json` next to the file.
+    claims: Option<Vec<ClaimVerdict>>,
 }
 
 /// Error of reading results.
@@ -49,10 +56,35 @@ impl Results {
             _ => Err(ResultsErrorCause::OtherKind),
         }
         .map_err(fail)?;
+        if HISTORY_COLUMNS.iter().all(|name| columns.position(name).is_some()) {
+            return Err(fail(ResultsErrorCause::History));
+        }
         match ["scenario", "key", "outcome"].into_iter().find(|name| columns.position(name).is_none()) {
             Some(missing) if !columns.names().is_empty() => Err(fail(ResultsErrorCause::MissingColumn(missing))),
-            _ => Ok(Results { path, columns: Arc::new(columns), runs, rows }),
+            _ => Ok(Results { path, columns: Arc::new(columns), runs, rows, claims: None }),
         }
+    }
+
+    /// Rows of another source, with the results of their claims.
+    pub(in crate::results) fn of_rows(
+        path: &Path,
+        (columns, runs, rows): (Columns, Vec<RunDigest>, Box<dyn Rows>),
+        claims: Vec<ClaimVerdict>,
+    ) -> Self {
+        Results { path: path.to_owned(), columns: Arc::new(columns), runs, rows, claims: Some(claims) }
+    }
+
+    /// Folder of the file.
+    pub(in crate::results) fn folder(&self) -> &Path {
+        self.path.parent().unwrap_or(Path::new(""))
+    }
+
+    /// Results of the claims about these runs.
+    ///
+    /// # Errors
+    /// `claims.json` cannot be read.
+    pub(in crate::results) fn claims(&self) -> Result<Vec<ClaimVerdict>, RecordError> {
+        self.claims.clone().map_or_else(|| read_claims(self.folder()), Ok)
     }
 
     /// Names of the columns.
@@ -71,12 +103,12 @@ impl Results {
     }
 
     /// Digest of scenario and key of each row.
-    pub(super) fn runs(&self) -> &[RunDigest] {
+    pub(in crate::results) fn runs(&self) -> &[RunDigest] {
         &self.runs
     }
 
     /// Position of a column.
-    pub(super) fn position(&self, column: &str) -> Option<usize> {
+    pub(in crate::results) fn position(&self, column: &str) -> Option<usize> {
         self.columns.position(column)
     }
 

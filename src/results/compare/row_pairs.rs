@@ -66,11 +66,23 @@ fn link(
 }
 
 /// Identity of a run independent of the program's version.
-fn identity(row: &ResultRow) -> RunDigest {
-    let own = ["scenario", "method", "integrator", "seed"].map(|name| row.text(name).to_owned());
-    // Equal numbers may be written differently.
-    let same = |value: &str| value.parse::<f64>().map_or(value.to_owned(), |x| format!("{x:e}"));
-    let parameters = row.parameters().map(|(name, value)| format!("{name}={}", same(value)));
-    let parts: Vec<String> = own.into_iter().chain(parameters).collect();
+pub(in crate::results) fn identity(row: &ResultRow) -> RunDigest {
+    let own = ["scenario", "method", "integrator", "seed"].map(|name| row.text(name));
+    identity_of(own, row.parameters())
+}
+
+/// Like [`identity`], of scenario, method, integrator and seed, and swept parameters in the order of their
+/// names.
+pub(in crate::results) fn identity_of<'a>(
+    own: [&str; 4],
+    parameters: impl Iterator<Item = (&'a str, &'a str)>,
+) -> RunDigest {
+    let parameters = parameters.map(|(name, value)| format!("{name}={}", same_text(value)));
+    let parts: Vec<String> = own.map(str::to_owned).into_iter().chain(parameters).collect();
     digest(parts.iter().map(String::as_str))
+}
+
+/// Equal numbers, which may be written differently, as equal texts.
+pub(in crate::results) fn same_text(value: &str) -> String {
+    value.parse::<f64>().map_or(value.to_owned(), |x| format!("{x:e}"))
 }

@@ -6,7 +6,7 @@ use crate::files::names::SUMMARIES;
 use crate::results::compare::columns::{Columns, RunDigest};
 
 /// Reads the rows of a file in any order.
-pub(super) trait Rows {
+pub(in crate::results) trait Rows {
     /// Reads the row at a position into `cells`, one per column; empty cells are empty texts.
     fn read(&mut self, position: usize, columns: &Columns, cells: &mut [String]) -> Result<(), ResultsErrorCause>;
 }
@@ -29,6 +29,9 @@ pub enum ResultsErrorCause {
     /// A table that is not a summary.
     #[error("not a summary of runs: it has no column `{0}`")]
     MissingColumn(&'static str),
+    /// A history, which has many results.
+    #[error("a history of results: give it as --baseline")]
+    History,
     /// The file cannot be read.
     #[error(transparent)]
     Io(#[from] std::io::Error),

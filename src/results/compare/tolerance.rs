@@ -59,7 +59,7 @@ impl Limits {
     }
 
     /// The check of a column; none when it is not compared.
-    pub(super) fn check_of(&self, column: &str) -> Option<ColumnCheck> {
+    pub(in crate::results) fn check_of(&self, column: &str) -> Option<ColumnCheck> {
         match (self.columns.get(column), crate::metrics::column(column).is_some_and(|c| c.is_cost())) {
             // An infinite tolerance ignores the column.
             (Some(tolerance), _) if tolerance.absolute.is_infinite() => None,
@@ -81,7 +81,7 @@ pub(super) fn common(a: &Results, b: &Results) -> (Vec<String>, Vec<String>) {
 
 /// Check of the values of a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum ColumnCheck {
+pub(in crate::results) enum ColumnCheck {
     Number(Tolerance),
     /// B may be slower by this factor, and faster by any. `inverse`: the column decreases with
     /// time.
@@ -93,11 +93,17 @@ pub(super) enum ColumnCheck {
 
 /// The difference of two cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct CellDifference {
+pub(in crate::results) struct CellDifference {
     pub beyond: bool,
     pub distance: Option<f64>,
     pub relative: Option<f64>,
     pub allowed: f64,
+}
+
+impl From<Tolerance> for ColumnCheck {
+    fn from(tolerance: Tolerance) -> Self {
+        ColumnCheck::Number(tolerance)
+    }
 }
 
 impl ColumnCheck {
@@ -112,6 +118,11 @@ impl ColumnCheck {
             _ if matches!(self, ColumnCheck::Time { .. }) => return None,
             _ => return Some(CellDifference { beyond: true, distance: None, relative: None, allowed: 0.0 }),
         };
+        self.difference_of(x, y)
+    }
+
+    /// Checks two numbers; none when they are equal.
+    pub fn difference_of(self, x: f64, y: f64) -> Option<CellDifference> {
         if x == y || x.is_nan() && y.is_nan() {
             return None;
         }

@@ -97,7 +97,7 @@ impl Shards {
         let summary = write_summary_of(output, &MergedRows { shards: self, output })?;
         unfinished += references.iter().filter(|r| r.record.summary_row().is_refused()).count();
         let claims = tally.verdicts();
-        let claims_file = write_claims(output, &claims)?;
+        let claims_file = write_claims(output, &claims, tally.changes())?;
         let searches = self.searches();
         let search_files = write_searches(output, &searches)?;
         let runs = sample.into_sorted();

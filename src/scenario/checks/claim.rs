@@ -68,20 +68,55 @@ impl Check<'_> {
             );
         }
         if let Some(share) = &claim.share {
-            self.expect(&at("share"), share);
+            self.share(&at("share"), share, claim.change.as_deref());
             self.error_metric(&at("share.metric"), share, compare);
         }
-        for (key, metric) in [("metric", &claim.metric), ("difference", &claim.difference)] {
+        if claim.change.is_some() && claim.early {
+            self.error(
+                &at("early"),
+                "must not be given together with `change`, which the end of a batch does not judge",
+            );
+        }
+        let columns = [("metric", &claim.metric), ("difference", &claim.difference), ("change", &claim.change)];
+        for (key, metric) in columns {
             if metric.is_some() {
                 self.error_metric(&at(key), &Expect { metric: metric.clone(), ..Expect::default() }, compare);
             }
         }
     }
 
-    /// Exactly one of the three forms, with the keys that belong to it.
+    /// The condition of a share: of runs, or of the changes of a column.
+    fn share(&mut self, path: &str, share: &Expect, change: Option<&str>) {
+        let Some(column) = change else { return self.expect(path, share) };
+        for (key, given) in [("metric", share.metric.is_some()), ("outcome", share.outcome.is_some())] {
+            if given {
+                self.error(
+                    &format!("{path}.{key}"),
+                    format!("must not be given: the limits are of the change of `{column}`"),
+                );
+                return;
+            }
+        }
+        self.expect(path, &Expect { metric: Some(column.to_owned()), ..share.clone() });
+    }
+
+    /// Exactly one of the forms, with the keys that belong to it.
     fn subject(&mut self, path: &str, claim: &ClaimSpec) {
         let at = |key: &str| format!("{path}.{key}");
-        let ClaimSpec { share, quantile, metric, difference, between, .. } = claim;
+        let ClaimSpec { share, quantile, metric, difference, between, change, .. } = claim;
+        if change.is_some() {
+            for (key, given) in
+                [("metric", metric.is_some()), ("difference", difference.is_some()), ("between", !between.is_empty())]
+            {
+                if given {
+                    self.error(&at(key), "must not be given together with `change`");
+                }
+            }
+            if share.is_some() && quantile.is_some() {
+                self.error(&at("quantile"), "must not be given together with `share`");
+            }
+            return;
+        }
         match (share, difference, metric) {
             (Some(_), None, None) => {
                 if quantile.is_some() {
@@ -103,12 +138,12 @@ impl Check<'_> {
             },
             (None, None, Some(_)) => {}
             (None, None, None) if quantile.is_some() => {
-                self.error(path, "has `quantile` and lacks the key `metric` (or `difference`)");
+                self.error(path, "has `quantile` and lacks the key `metric` (or `difference` or `change`)");
             }
             (None, None, None) => {
-                self.error(path, "lacks the key `share` (or `quantile` with `metric`, or `difference`)")
+                self.error(path, "lacks the key `share` (or `quantile` with `metric`, or `difference`, or `change`)")
             }
-            _ => self.error(path, "must have one of `share`, `metric` and `difference`"),
+            _ => self.error(path, "must have one of `share`, `metric`, `difference` and `change`"),
         }
         if difference.is_none() && !between.is_empty() {
             self.error(&at("between"), "requires `difference`, which is missing");

@@ -79,6 +79,11 @@ impl<'a> ClaimReader<'a, '_> {
         self.warn_of_dependence(&own);
         let claim = PlannedClaim::new(spec, &per, pair, self.root);
         self.warn_of_few_runs(&claim);
+        if claim.spec.change.is_some() {
+            let message = format!("`{}` needs a baseline: this command does not judge it", self.path);
+            let span = KeyPath::internal(&format!("{}.change", self.path)).locate(self.root).1;
+            self.findings.note(span, message, Some("`runner compare --baseline BASE RESULTS` does".to_owned()));
+        }
         Some(claim)
     }
 
@@ -171,7 +176,7 @@ impl<'a> ClaimReader<'a, '_> {
     fn warn_of_few_runs(&mut self, claim: &PlannedClaim) {
         let mut units = vec![0_usize; claim.groups.len()];
         for number in 0..self.grid.runs() {
-            if let Some(place) = claim.place(number).filter(|place| place.side == 0) {
+            if let Some(place) = claim.any_place(number).filter(|place| place.side == 0) {
                 units[place.group] += 1;
             }
         }
@@ -188,7 +193,7 @@ impl<'a> ClaimReader<'a, '_> {
         if needed <= most {
             return;
         }
-        let unit = if claim.is_paired() { "pairs of runs" } else { "runs" };
+        let unit = if claim.is_paired() || claim.spec.change.is_some() { "pairs of runs" } else { "runs" };
         let each = if claim.groups.len() > 1 { " each" } else { "" };
         let message = format!("`{}` cannot hold with {most} {unit}{each}: it needs at least {needed}", self.path);
         let help = match fewest(Rule::Fixed) {

@@ -115,8 +115,14 @@ impl PlannedClaim {
         PlannedClaim { spec, groups, parts, pair }
     }
 
-    /// The position of the run with this number, from 0; none if the claim is not about it.
+    /// The position of the run with this number, from 0; none if the claim is not about it, and if
+    /// the batch does not judge it.
     pub fn place(&self, number: usize) -> Option<ClaimPlace> {
+        if self.spec.change.is_some() { None } else { self.any_place(number) }
+    }
+
+    /// Like [`PlannedClaim::place`], also for a claim about changes.
+    pub(super) fn any_place(&self, number: usize) -> Option<ClaimPlace> {
         let group = self
             .parts
             .iter()

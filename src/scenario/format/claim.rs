@@ -9,9 +9,9 @@ use crate::metrics::METRICS;
 use crate::scenario::format::expect::{Expect, metric};
 use crate::text::quantity::json;
 
-/// One claim: about a `share` of the runs, a `quantile` of a `metric`, or the `difference` of a
-/// metric `between` two values of a swept key; with `at_least` or `at_most`. It holds, fails, or is
-/// undecided.
+/// One claim: about a `share` of the runs, a `quantile` of a `metric`, the `difference` of a metric
+/// `between` two values of a swept key, or its `change` against earlier results; with `at_least` or
+/// `at_most`. It holds, fails, or is undecided.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 #[schemars(extend("required" = ["name"]))]
@@ -19,11 +19,11 @@ pub struct ClaimSpec {
     /// Name of the claim, unique in the file.
     pub name: String,
     /// The claim is about the share of runs for which this holds: an outcome, or limits of a
-    /// metric, as in `expect`.
+    /// metric, as in `expect`; with `change`, limits of the change, without `metric`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share: Option<Expect>,
-    /// The claim is about this quantile of `metric`, between 0 and 1; with `difference`, about the
-    /// quantile of the differences, by default their median, 0.5.
+    /// The claim is about this quantile of `metric`, between 0 and 1; with `difference` or `change`,
+    /// about the quantile of the differences, by default their median, 0.5.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<json::Fraction>")]
     pub quantile: Option<f64>,
@@ -41,6 +41,11 @@ pub struct ClaimSpec {
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     #[schemars(with = "BTreeMap<String, [serde_json::Value; 2]>")]
     pub between: BTreeMap<String, Vec<toml::Value>>,
+    /// The claim is about changes of this numeric column of the summary: its value less that of the
+    /// same run in a baseline. `runner compare --baseline` judges it.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "metric")]
+    #[schemars(extend("anyOf" = [{ "enum": METRICS }, { "pattern": "^error_" }]))]
+    pub change: Option<String>,
     /// The share, quantile or difference is this or greater. A share is between 0 and 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_least: Option<f64>,
@@ -68,6 +73,7 @@ impl Default for ClaimSpec {
             metric: None,
             difference: None,
             between: BTreeMap::new(),
+            change: None,
             at_least: None,
             at_most: None,
             confidence: 0.95,
@@ -89,15 +95,14 @@ pub struct ShareQuestion {
 impl ClaimSpec {
     /// The quantile that it is about; none for a share.
     pub fn quantile(&self) -> Option<f64> {
-        match &self.difference {
-            Some(_) => Some(self.quantile.unwrap_or(0.5)),
-            None => self.quantile,
-        }
+        let is_difference = self.difference.is_some() || self.change.is_some();
+        if is_difference && self.share.is_none() { Some(self.quantile.unwrap_or(0.5)) } else { self.quantile }
     }
 
-    /// The column that it is about; none for a share.
+    /// The column that it is about; none for outcomes.
     pub fn column(&self) -> Option<&str> {
-        self.difference.as_deref().or(self.metric.as_deref())
+        let of_share = || self.share.as_ref().and_then(|share| share.metric.as_deref());
+        self.difference.as_deref().or(self.change.as_deref()).or(self.metric.as_deref()).or_else(of_share)
     }
 
     /// The limit, of a share or in the metric's unit.
@@ -123,15 +128,23 @@ impl ClaimSpec {
     /// Such as `share of runs with outcome passed at least 0.9`.
     pub fn statement(&self) -> String {
         let relation = if self.at_least.is_some() { "at least" } else { "at most" };
+        let which = |quantile: Option<f64>| match quantile {
+            Some(quantile) if quantile != 0.5 => format!("{quantile} quantile"),
+            _ => "median".to_owned(),
+        };
+        if let Some(column) = &self.change {
+            let subject = match &self.share {
+                Some(share) => format!("share of changes of {column} against the baseline {}", share.limits()),
+                None => format!("{} of the change of {column} against the baseline", which(self.quantile())),
+            };
+            return format!("{subject} {relation} {}", self.limit());
+        }
         let subject = match (&self.share, &self.difference, &self.metric) {
             (Some(share), ..) => format!("share of runs with {}", share.condition()),
             (None, Some(column), _) => {
                 let (key, values) = self.between.first_key_value().map_or(("", &[][..]), |(k, v)| (k, v));
                 let texts: Vec<String> = values.iter().map(value_text).collect();
-                let subject = match self.quantile() {
-                    Some(quantile) if quantile != 0.5 => format!("{quantile} quantile"),
-                    _ => "median".to_owned(),
-                };
+                let subject = which(self.quantile());
                 format!("{subject} of the difference of {column} between {key} = {}", texts.join(" and "))
             }
             (None, None, metric) => {

@@ -85,13 +85,19 @@ pub(in crate::scenario::format) fn metric<'de, D: Deserializer<'de>>(d: D) -> Re
 impl Expect {
     /// What it requires, such as `outcome passed`, `impacts at most 3`.
     pub fn condition(&self) -> String {
-        let name = self.metric.as_deref().unwrap_or("value");
-        match (self.outcome, self.allowed(), self.min, self.max) {
-            (Some(outcome), ..) => format!("outcome {}", outcome.name()),
-            (None, Some(allowed), ..) => format!("{name} within {allowed} of {}", self.value.unwrap_or(0.0)),
-            (None, None, Some(min), Some(max)) => format!("{name} from {min} to {max}"),
-            (None, None, Some(min), None) => format!("{name} at least {min}"),
-            (None, None, None, max) => format!("{name} at most {}", max.unwrap_or(0.0)),
+        match self.outcome {
+            Some(outcome) => format!("outcome {}", outcome.name()),
+            None => format!("{} {}", self.metric.as_deref().unwrap_or("value"), self.limits()),
+        }
+    }
+
+    /// The limits of its metric, such as `at most 3`.
+    pub fn limits(&self) -> String {
+        match (self.allowed(), self.min, self.max) {
+            (Some(allowed), ..) => format!("within {allowed} of {}", self.value.unwrap_or(0.0)),
+            (None, Some(min), Some(max)) => format!("from {min} to {max}"),
+            (None, Some(min), None) => format!("at least {min}"),
+            (None, None, max) => format!("at most {}", max.unwrap_or(0.0)),
         }
     }
 

@@ -3,7 +3,7 @@
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// `2026-11-21 19:05 UTC`; none before 1970.
-pub(super) fn utc(time: SystemTime) -> Option<String> {
+pub(crate) fn utc(time: SystemTime) -> Option<String> {
     let seconds = time.duration_since(UNIX_EPOCH).ok()?.as_secs();
     let (days, minutes) = (seconds / 86_400, seconds % 86_400 / 60);
     let (year, month, day) = civil(days);
