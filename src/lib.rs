@@ -109,6 +109,8 @@ pub mod metrics;
 pub mod motion;
 pub mod patches;
 #[cfg_attr(doc, doc(hidden))]
+pub mod policy;
+#[cfg_attr(doc, doc(hidden))]
 pub mod random;
 #[cfg_attr(doc, doc(hidden))]
 pub mod remote;
@@ -180,4 +182,4 @@ pub use nalgebra;
 pub use robot::{JointId, LinkId, Model, Robot, SoleId};
 pub use scenario::Run;
 pub use sim::{Metrics, Observer, Outcome, RunError, Setup, SimEvent, Simulation, Snapshot};
-pub use task::{Command, Context, Status, Task, TaskResult};
+pub use task::{Command, Context, Status, Task, TaskMemory, TaskResult};

@@ -5,7 +5,7 @@
 //! `sqrt`, `mul_add`, rounding and `%` are exact by IEEE 754 and remain methods.
 //!
 //! Imports: nothing of this crate. Used by: `geometry`, `integrate`, `random`, `robot`, `dynamics`,
-//! `motion`, `patches`, `contact`, `collision`, `task`, `force`, `script`, `scenario`, `sim`, `log`, `assemble`,
+//! `motion`, `patches`, `contact`, `collision`, `task`, `force`, `script`, `policy`, `scenario`, `sim`, `log`, `assemble`,
 //! `convert`, `statistics`, `search`, `results`, `report`.
 
 pub use libm::{acos, asin, atan, atan2, cbrt, cosh, exp, hypot, log2, log10, sinh, tan, tanh};

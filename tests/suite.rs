@@ -21,6 +21,7 @@ mod library;
 mod link;
 mod motion;
 mod oracles;
+mod policy;
 mod record;
 mod regressions;
 mod replay;

@@ -2,7 +2,7 @@
 //! values that do not fit the robot.
 //!
 //! Imports: `math`, `text`, `geometry`, `integrate`, `random`, `mesh`, `robot`, `terrain`,
-//! `dynamics`, `motion`, `patches`, `contact`, `collision`, `task`, `force`, `script`, `scenario`, `sim`,
+//! `dynamics`, `motion`, `patches`, `contact`, `collision`, `task`, `force`, `script`, `policy`, `scenario`, `sim`,
 //! `log`. Used by: `batch`, `console`, `api`.
 
 mod balance;
@@ -21,6 +21,7 @@ mod objects;
 mod pairing;
 mod planned;
 mod playback;
+mod policy;
 mod script_setup;
 mod self_contact;
 mod sensors;

@@ -1,6 +1,6 @@
 //! Creates the tasks of the task server from their entries.
 
-use crate::assemble::{balance, mocap, names, planned, playback, script_setup};
+use crate::assemble::{balance, mocap, names, planned, playback, policy, script_setup};
 use crate::robot::{JointId, Model};
 use crate::scenario::{Diagnostic, JointLimits, Run, SineTask, TaskSpec};
 use crate::sim::setup::Start;
@@ -49,6 +49,7 @@ pub(super) fn tasks(
             TaskSpec::Script(spec) => (spec.start, script_setup::task(run, model, i, spec, errors)),
             TaskSpec::Squat(spec) => (spec.start, planned::squat(run, model, &path, spec, errors)),
             TaskSpec::Walk(spec) => (spec.start, planned::walk(run, model, &path, spec, errors)),
+            TaskSpec::Policy(spec) => (spec.start, policy::policy(run, model, &path, spec, notes, errors)),
         };
         // A task that cannot be created has reported an error.
         if let Some(task) = task {

@@ -76,6 +76,7 @@ pub use format::{
     task::{
         BalanceChange, BalanceControl, BalanceTask, CompensationChange, Contacts, Ends, ForceBalance,
         ForceBalanceChange, Gains, GravityCompensationTask, MocapTarget, MocapTask, PlaybackChange, PlaybackTask,
+        PolicyAction, PolicyChange, PolicyMode, PolicyNumbers, PolicyObservation, PolicyState, PolicyTask, PolicyTerm,
         PositionBalance, PositionBalanceChange, PostureTask, Recorded, ScriptTask, SineChange, SineJoint,
         SineJointChange, SineTask, SquatTask, TaskSpec, WalkTask,
     },

@@ -2,7 +2,8 @@
 //!
 //! Unlike the states that scenario events save, a checkpoint includes time, commands, stepper and
 //! measurements: the steps after a return give the bits of those after the checkpoint. It excludes
-//! what cannot be copied, such as the variables of scripts; runs that depend on it are refused.
+//! what cannot be copied, such as the variables of scripts; runs that depend on it are refused. What
+//! a task remembers is included if it can be saved ([`crate::task::Task::save`]).
 
 use super::contact_states::link_contacts::LinkContacts;
 use super::contact_states::pair_contacts::PairContacts;
@@ -113,8 +114,8 @@ impl Simulation {
     /// since are not reported again.
     ///
     /// # Errors
-    /// The checkpoint belongs to another run, or events of the scenario or tasks with memory were
-    /// executed since; the state is then unchanged.
+    /// The checkpoint belongs to another run, or events of the scenario, or tasks with memory that cannot
+    /// be saved, were executed since; the state is then unchanged.
     pub fn return_to(&mut self, checkpoint: &Checkpoint) -> Result<(), RunError> {
         let run = &mut self.run;
         check(run)?;

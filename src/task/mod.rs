@@ -8,7 +8,7 @@
 //! [`Needs`] of a running task include it.
 //!
 //! Imports: `math`, `linalg`, `geometry`, `robot`, `dynamics`, `motion`, `contact`. Used by:
-//! `script`, `sim`, `assemble`, `remote`, `console`.
+//! `script`, `policy`, `sim`, `assemble`, `remote`, `console`.
 
 pub mod augmented;
 pub mod balance;
@@ -27,6 +27,7 @@ pub mod server;
 pub mod sine;
 pub mod squat;
 mod task_error;
+mod task_memory;
 pub mod walk;
 
 pub use augmented::AugmentedData;
@@ -36,6 +37,7 @@ pub use point_of_interest::PointOfInterest;
 pub use sensor_readings::SensorReadings;
 pub use server::TaskServer;
 pub use task_error::{TaskError, TaskFailure};
+pub use task_memory::TaskMemory;
 
 use crate::dynamics::State;
 use crate::geometry::Plane;
@@ -128,11 +130,19 @@ pub trait Task: Any + Send {
         false
     }
 
-    /// Whether its commands depend on earlier calls, so that a run cannot return to an earlier state
-    /// while the task is active.
+    /// Whether its commands depend on earlier calls. A run cannot return to an earlier state while
+    /// such a task is active, unless it can [`save`](Self::save) what it remembers.
     fn has_memory(&self) -> bool {
         true
     }
+
+    /// What it remembers of earlier calls, for a checkpoint; none if it cannot be copied.
+    fn save(&self) -> Option<TaskMemory> {
+        None
+    }
+
+    /// Returns to what it remembered when it was saved.
+    fn restore(&mut self, _saved: &TaskMemory) {}
 
     /// The augmented data it reads; queried before `init` and before every `run`.
     fn needs(&self) -> Needs {

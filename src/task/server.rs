@@ -1,7 +1,7 @@
 //! The task server: starts, runs, changes and ends the tasks of a scenario.
 
 use super::handover::{Handover, TemporaryEfforts};
-use super::{AugmentedData, Command, Context, Needs, SensorReadings, Status, Task, TaskError, TaskFailure};
+use super::{AugmentedData, Command, Context, Needs, SensorReadings, Status, Task, TaskError, TaskFailure, TaskMemory};
 use crate::dynamics::State;
 use crate::geometry::Plane;
 use crate::robot::Model;
@@ -227,8 +227,9 @@ pub struct TaskProgress {
     slots: Vec<SlotProgress>,
 }
 
-#[derive(Clone, PartialEq)]
+#[derive(Clone)]
 struct SlotProgress {
+    memory: Option<TaskMemory>,
     begun: bool,
     ended: bool,
     end_requested: bool,
@@ -254,7 +255,8 @@ impl TaskServer {
     /// The name of a task with memory that was called since, or would continue from there.
     pub fn return_to(&mut self, progress: &TaskProgress) -> Result<(), String> {
         let kept = |slot: &TaskSlot, then: &SlotProgress| {
-            !slot.task.has_memory() || (!slot.begun && !then.begun) || (slot.ended && then.ended)
+            let forgets = !slot.task.has_memory() || then.memory.is_some();
+            forgets || (!slot.begun && !then.begun) || (slot.ended && then.ended)
         };
         if let Some((slot, _)) = self.slots.iter().zip(&progress.slots).find(|(slot, then)| !kept(slot, then)) {
             return Err(slot.task.name().to_owned());
@@ -265,6 +267,9 @@ impl TaskServer {
         for (slot, then) in self.slots.iter_mut().zip(&progress.slots) {
             (slot.begun, slot.ended, slot.end_requested) = (then.begun, then.ended, then.end_requested);
             (slot.changed, slot.temporary) = (then.changed, then.temporary.clone());
+            if let Some(memory) = &then.memory {
+                slot.task.restore(memory);
+            }
         }
         Ok(())
     }
@@ -273,6 +278,7 @@ impl TaskServer {
 impl TaskSlot {
     fn progress(&self) -> SlotProgress {
         SlotProgress {
+            memory: self.task.save(),
             begun: self.begun,
             ended: self.ended,
             end_requested: self.end_requested,

@@ -111,7 +111,7 @@ fn the_full_example_is_read() {
     assert_eq!(s.robot.joint["left_knee"].friction.unwrap().coulomb, 0.1);
     assert_eq!(s.robot.joint["left_knee"].effort, Some(3.0));
     assert_eq!(s.contact.forced[0].to, Some(0.5));
-    assert_eq!((s.task.len(), s.force.len(), s.expect.len()), (10, 12, 3));
+    assert_eq!((s.task.len(), s.force.len(), s.expect.len()), (11, 12, 3));
     let ForceSpec::Push(push) = &s.force[0] else { panic!("{:?}", s.force[0]) };
     assert_eq!((push.profile, push.start), (Profile::HalfSine, 2.0));
     assert_eq!(s.stop.fallen.unwrap().below, 0.2);

@@ -5,6 +5,7 @@ mod claim;
 mod event;
 mod force;
 mod object;
+mod policy;
 mod search;
 mod task;
 mod terrain;

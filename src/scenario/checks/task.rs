@@ -75,6 +75,10 @@ impl Check<'_> {
                 script.start
             }
             TaskSpec::Squat(squat) => squat.start,
+            TaskSpec::Policy(policy) => {
+                self.policy(path, policy, end);
+                policy.start
+            }
             TaskSpec::Walk(walk) => {
                 if walk.double_support >= walk.step_time {
                     let message =
@@ -175,7 +179,7 @@ impl Check<'_> {
     }
 
     /// Changes must come after the start, each after the end of the previous one.
-    fn spaced_changes(
+    pub(super) fn spaced_changes(
         &mut self,
         path: &str,
         times: impl Iterator<Item = f64>,

@@ -6,6 +6,7 @@ mod balance_position;
 mod gravity_compensation;
 mod mocap;
 mod playback;
+mod policy;
 mod posture;
 mod script_task;
 mod sine;
@@ -18,6 +19,9 @@ pub use balance_position::{PositionBalance, PositionBalanceChange};
 pub use gravity_compensation::{CompensationChange, GravityCompensationTask};
 pub use mocap::{MocapTarget, MocapTask};
 pub use playback::{Ends, PlaybackChange, PlaybackTask, Recorded};
+pub use policy::{
+    PolicyAction, PolicyChange, PolicyMode, PolicyNumbers, PolicyObservation, PolicyState, PolicyTask, PolicyTerm,
+};
 pub use posture::PostureTask;
 pub use script_task::ScriptTask;
 pub use sine::{SineChange, SineJoint, SineJointChange, SineTask};
@@ -47,6 +51,8 @@ tagged! {
         "squat" => Squat(SquatTask),
         /// Walks, or steps on the spot.
         "walk" => Walk(WalkTask),
+        /// Runs a neural network in an ONNX file.
+        "policy" => Policy(PolicyTask),
     }
 }
 
@@ -57,6 +63,7 @@ impl TaskSpec {
             TaskSpec::Playback(playback) => Some(&playback.file),
             TaskSpec::Mocap(mocap) => Some(&mocap.file),
             TaskSpec::Script(script) => Some(&script.file),
+            TaskSpec::Policy(policy) => Some(&policy.file),
             _ => None,
         }
     }
