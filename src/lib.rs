@@ -88,6 +88,8 @@ pub mod export;
 #[cfg_attr(doc, doc(hidden))]
 pub mod files;
 #[cfg_attr(doc, doc(hidden))]
+pub mod fit;
+#[cfg_attr(doc, doc(hidden))]
 pub mod force;
 #[cfg_attr(doc, doc(hidden))]
 pub mod geometry;

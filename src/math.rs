@@ -6,11 +6,11 @@
 //!
 //! Imports: nothing of this crate. Used by: `geometry`, `integrate`, `random`, `robot`, `dynamics`,
 //! `motion`, `patches`, `contact`, `collision`, `task`, `force`, `script`, `policy`, `scenario`, `sim`, `log`, `assemble`,
-//! `convert`, `statistics`, `search`, `results`, `report`.
+//! `convert`, `statistics`, `search`, `results`, `report`, `fit`.
 
-pub use libm::{acos, asin, atan, atan2, cbrt, cosh, exp, hypot, log2, log10, sinh, tan, tanh};
+pub use libm::{acos, asin, atan, atan2, cbrt, cosh, erfc, exp, hypot, log2, log10, sinh, tan, tanh};
 pub use libm::{cos, sin, sincos as sin_cos};
-pub use libm::{expm1 as exp_m1, log as ln, pow as powf};
+pub use libm::{expm1 as exp_m1, lgamma as ln_gamma, log as ln, pow as powf};
 
 /// `x` to a whole power by repeated squaring; the method of `f64` leaves the order to the compiler.
 #[inline]

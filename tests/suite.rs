@@ -13,6 +13,7 @@ mod console;
 mod contact;
 mod determinism;
 mod faults;
+mod fit;
 mod force;
 mod force_balance;
 mod history;

@@ -3,7 +3,7 @@
 //!
 //! Imports: `math`, `text`, `geometry`, `integrate`, `random`, `mesh`, `robot`, `terrain`,
 //! `dynamics`, `motion`, `patches`, `contact`, `collision`, `task`, `force`, `script`, `policy`, `scenario`, `sim`,
-//! `log`. Used by: `batch`, `console`, `api`.
+//! `log`. Used by: `batch`, `console`, `fit`, `api`.
 
 mod balance;
 mod bodies;
@@ -150,6 +150,7 @@ pub fn setup_with(run: &Run, robot: &Robot, models: &[Arc<Robot>]) -> Result<Set
         seed: s.seed,
         duration: s.end(),
         log_rate: s.log.rate,
+        log_instants: Vec::new(),
         fallen_below: s.stop.fallen.as_ref().map(|f| f.below),
         touching_links,
         ends_when_sunk: s.stop.sunk_link == SunkLink::Fallen && s.floor.plane,

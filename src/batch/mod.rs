@@ -11,7 +11,7 @@
 //! [`LiveClients`] only.
 //!
 //! Imports: `search`, `text`, `geometry`, `files`, `robot`, `convert`, `terrain`, `contact`, `script`, `scenario`,
-//! `sim`, `log`, `assemble`, `results`, `report`, `remote`. Used by: `replay`, `console`, `api`, `cli`.
+//! `sim`, `log`, `assemble`, `results`, `report`, `remote`. Used by: `replay`, `console`, `fit`, `api`, `cli`.
 
 mod batch_error;
 mod dispatch;

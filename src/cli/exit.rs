@@ -190,6 +190,22 @@ pub fn codes(command: &str) -> &'static Codes {
             ),
             (Exit::Unfinished, FILE),
         ],
+        "fit" => &[
+            (
+                Exit::Success,
+                "fitted: all parameters are determined, residuals agree with given noise, and so do held-out data",
+            ),
+            (Exit::Failed, "residuals exceed the given noise, or held-out data differ from the fit"),
+            (Exit::Invalid, "wrong usage, an invalid fit file, data or scenario, or a path that cannot be written"),
+            (
+                Exit::Unfinished,
+                "not converged, a run that is needed does not reach the end of its data, or a file or standard output could \
+                 not be written to the end",
+            ),
+            (Exit::Undecided, "the data do not determine all parameters, or an estimate is at a bound"),
+            (Exit::Interrupted, "interrupted by Ctrl-C (SIGINT)"),
+            (Exit::Terminated, "interrupted by SIGTERM"),
+        ],
         "salvage" => &[
             (Exit::Success, "written"),
             (

@@ -3,7 +3,7 @@
 //!
 //! Imports: `text`, `files`, `web`, `robot`, `convert`, `collision`, `scenario`, `sim`, `log`, `results`,
 //! `report`, `export`, `remote`, `live`, `batch`, `replay`, `view`, `submit`, `console`,
-//! `schema_page`. Used by: the programs.
+//! `fit`, `schema_page`. Used by: the programs.
 
 // Comments of arguments are help texts for a terminal.
 #![allow(rustdoc::bare_urls)]
@@ -23,8 +23,8 @@ use std::path::PathBuf;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use commands::{
-    check, compare, completions, console, convert, export, inspect, list, man, merge, motor_server, replay, report,
-    run, salvage, schema, submit, view,
+    check, compare, completions, console, convert, export, fit, inspect, list, man, merge, motor_server, replay,
+    report, run, salvage, schema, submit, view,
 };
 pub use exit::Exit;
 
@@ -101,6 +101,9 @@ enum Command {
     /// Write a log as CSV, Parquet or columns of text, or as a ROS 2 bag
     #[command(after_help = exit::help("export"))]
     Export(export::Export),
+    /// Fit parameters of a scenario to recorded data by least squares
+    #[command(after_help = exit::help("fit"))]
+    Fit(fit::FitCommand),
     /// Recover the readable part of damaged or unfinished logs
     #[command(after_help = exit::help("salvage"))]
     Salvage(salvage::Salvage),
@@ -153,6 +156,7 @@ impl Command {
             Command::Submit(submit) => submit.execute(),
             Command::Compare(compare) => compare.execute(),
             Command::Export(export) => export.execute(),
+            Command::Fit(fit) => fit.execute(),
             Command::Salvage(salvage) => salvage.execute(),
             Command::Replay(replay) => replay.execute(),
             Command::MotorServer(server) => server.execute(),

@@ -2,7 +2,7 @@
 //! not at all, paths that stay inside a folder of results, and grey values of pictures.
 //!
 //! Imports: nothing of this crate. Used by: `sdf`, `robot`, `terrain`, `scenario`, `log`, `results`, `report`,
-//! `export`, `policy`, `remote`, `batch`, `replay`, `view`, `submit`, `console`, `cli`.
+//! `export`, `policy`, `remote`, `batch`, `replay`, `view`, `submit`, `console`, `fit`, `cli`.
 
 pub mod atomic;
 pub(crate) mod checksum;

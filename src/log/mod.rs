@@ -9,7 +9,7 @@
 //! - [`ProblemWriter`]: the contact problems of a run, `problems/*.json`.
 //!
 //! Imports: `math`, `files`, `robot`, `convert`, `terrain`, `contact`, `sim`. Used by: `assemble`, `report`, `export`, `live`,
-//! `batch`, `replay`, `view`, `console`, `cli`.
+//! `batch`, `replay`, `view`, `console`, `fit`, `cli`.
 
 mod message_descriptor;
 pub mod messages;

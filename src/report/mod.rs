@@ -12,11 +12,13 @@
 //! | expectations | `expectations` |
 //! | all runs, notes, files | `runs` |
 //!
+//! `fit_page` writes the page on a fit, whose signals `fit_plot` draws.
+//!
 //! Names, messages and paths are untrusted text: the templates escape all of it. The size of the
 //! page is bounded for any number of runs, and the page states what it omits.
 //!
 //! Imports: `math`, `text`, `files`, `metrics`, `contact`, `sim`, `log`, `results`. Used by:
-//! `batch`, `cli`.
+//! `batch`, `fit`, `cli`.
 
 mod axis;
 mod best_plot;
@@ -27,6 +29,8 @@ mod claims;
 mod cost_plot;
 mod cost_section;
 mod expectations;
+mod fit_page;
+mod fit_plot;
 mod head;
 mod history;
 mod history_plot;
@@ -42,6 +46,8 @@ mod runs;
 mod searches;
 mod table;
 
+pub use fit_page::{FitPage, PlainTable, write_fit_page};
+pub use fit_plot::FittedSignal;
 pub use history::ShownHistory;
 pub use rewrite::rewrite_results;
 
@@ -230,8 +236,11 @@ fn left_out(runs: usize) -> String {
 }
 
 /// Templates by name; the extension `html` enables escaping.
-const TEMPLATES: [(&str, &str); 2] =
-    [("report.html", include_str!("page/report.html")), ("table.html", include_str!("page/table.html"))];
+const TEMPLATES: [(&str, &str); 3] = [
+    ("report.html", include_str!("page/report.html")),
+    ("fit.html", include_str!("page/fit.html")),
+    ("table.html", include_str!("page/table.html")),
+];
 
 fn environment() -> Result<Environment<'static>, minijinja::Error> {
     let mut environment = Environment::new();

@@ -11,7 +11,7 @@
 //!
 //! Imports: `math`, `text`, `geometry`, `files`, `mesh`, `sdf`. Used by: `dynamics`, `collision`,
 //! `task`, `force`, `script`, `sim`, `log`, `assemble`, `remote`,
-//! `policy`, `scenario`, `batch`, `convert`, `console`, `api`, `cli`.
+//! `policy`, `scenario`, `batch`, `convert`, `console`, `fit`, `api`, `cli`.
 
 pub mod adjustments;
 mod apply_robot_file;

@@ -51,13 +51,18 @@ impl DecodeError {
         for segment in prefix.rsplit('.') {
             self = self.below(segment);
         }
+        self.report_in("the scenario", findings);
+    }
+
+    /// Reports the error of a `document`, such as "the scenario".
+    pub fn report_in(self, document: &str, findings: &mut Findings) {
         // A key with a dot in it, such as a swept path, stays one key.
         let quoted = |key: &String| if key.contains('.') { format!("{key:?}") } else { key.clone() };
         let path = self.path.iter().map(quoted).collect::<Vec<_>>().join(".");
         let message = match (self.names_subject, path.is_empty()) {
             (true, true) => self.message,
             (true, false) => format!("{} in `{path}`", self.message),
-            (false, true) => format!("the scenario {}", self.message),
+            (false, true) => format!("{document} {}", self.message),
             (false, false) => format!("`{path}` {}", self.message),
         };
         findings.error(self.span.unwrap_or(0..0), message, self.help);

@@ -12,7 +12,7 @@
 //!
 //! Imports: `math`, `statistics`, `search`, `text`, `geometry`, `random`, `files`, `metrics`, `sdf`, `robot`,
 //! `contact`.
-//! Used by: `assemble`, `results`, `batch`, `replay`, `console`, `api`, `cli`.
+//! Used by: `assemble`, `results`, `batch`, `replay`, `console`, `fit`, `api`, `cli`.
 
 mod checks;
 mod claims;
@@ -41,10 +41,12 @@ pub use crate::text::diagnostic::{Diagnostic, Diagnostics, Severity};
 pub(crate) use crate::text::toml_syntax::segment;
 pub use checks::host_and_port;
 pub use claims::{ClaimPlace, PlannedClaim};
+pub(crate) use decode::NodeDeserializer;
 pub use events::Event;
 pub use expansion::Expansion;
 pub use expansion_check::{CheckedCell, CheckedCells, ExpansionCheck};
 pub use file::{ScenarioFile, load, parse};
+pub(crate) use findings::Findings;
 pub use format::{
     change::ChangeSpec,
     claim::{ClaimSpec, ShareQuestion},
@@ -86,6 +88,7 @@ pub use format::{
     world::WorldSpec,
 };
 pub use inputs::Input;
+pub(crate) use key_path::KeyPath;
 pub use overrides::{OverrideError, parse_override};
 pub use run::{DEFAULT_MAX_RUNS, Origin, Run};
 pub use run_key::{KeyHasher, key};

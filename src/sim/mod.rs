@@ -20,7 +20,7 @@
 //!
 //! Imports: `math`, `text`, `geometry`, `integrate`, `random`, `metrics`, `robot`, `terrain`, `dynamics`,
 //! `patches`, `contact`, `collision`, `task`, `force`. Used by: `log`, `assemble`, `results`, `report`,
-//! `remote`, `batch`, `replay`, `console`, `api`, `cli`.
+//! `remote`, `batch`, `replay`, `console`, `fit`, `api`, `cli`.
 
 pub mod actuation;
 pub mod bodies;

@@ -155,6 +155,8 @@ pub struct Setup {
     pub duration: f64,
     /// Snapshots per second; 0: only the last.
     pub log_rate: f64,
+    /// Instants of snapshots instead of `log_rate`, s, ascending; empty: those of the rate.
+    pub log_instants: Vec<f64>,
     /// End the run when the base is lower than this above the floor, m.
     pub fallen_below: Option<f64>,
     /// Links that touch the floor besides the soles; none: only soles do.
@@ -226,6 +228,7 @@ impl Setup {
             saved_states: 0,
             duration: 1.0,
             log_rate: 0.0,
+            log_instants: Vec::new(),
             fallen_below: None,
             touching_links: None,
             ends_when_sunk: true,

@@ -104,7 +104,7 @@ impl Simulation {
             projection,
             displacement: vec![0.0; plant.acceleration.len()],
             recorded_problem: None,
-            log: SnapshotLog::new(first, setup.log_rate),
+            log: SnapshotLog::new(first, setup.log_rate, std::mem::take(&mut setup.log_instants)),
             sampler: None,
             started: false,
             deferral: Deferral::Refused,

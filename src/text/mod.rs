@@ -13,7 +13,7 @@
 //! - `xml_syntax`: XML with positions; `xml_attributes`: limits the attributes of elements.
 //!
 //! Imports: nothing of this crate. Used by: `mesh`, `sdf`, `robot`, `motion`, `contact`, `script`, `scenario`,
-//! `sim`, `assemble`, `results`, `report`, `export`, `batch`, `console`, `cli`.
+//! `sim`, `assemble`, `results`, `report`, `export`, `batch`, `console`, `fit`, `cli`.
 
 pub mod angle;
 pub mod diagnostic;

@@ -127,7 +127,7 @@ fn help_lists_exactly_the_existing_commands() {
         .take_while(|l| !l.is_empty())
         .filter_map(|l| l.split_whitespace().next())
         .collect();
-    let expected = "run check list inspect convert report merge submit compare export salvage replay motor-server console view schema completions man help";
+    let expected = "run check list inspect convert report merge submit compare export fit salvage replay motor-server console view schema completions man help";
     assert_eq!(commands.join(" "), expected);
 }
 

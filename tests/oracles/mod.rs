@@ -5,6 +5,7 @@ mod binomial;
 mod collision;
 mod contact;
 mod context;
+mod distributions;
 mod dynamics;
 mod dynamics_oracle;
 mod height_fields;

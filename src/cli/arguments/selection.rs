@@ -12,6 +12,7 @@ use clap::{Args, ValueHint};
 
 use crate::cli::arguments::message_format::MessageFormat;
 use crate::cli::arguments::numbers;
+use crate::cli::arguments::override_files;
 use crate::cli::arguments::scenario_files;
 use crate::cli::{Exit, colour, terminal};
 
@@ -38,6 +39,10 @@ pub struct Selection {
     /// Replace a value of every scenario, such as contact.method=one-step; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = Override::parse)]
     overrides: Vec<Override>,
+    /// Replace values by those of a TOML file of keys and values, such as fitted.toml of `fit`; --set
+    /// comes after them; may be repeated
+    #[arg(long = "set-from", value_name = "FILE", value_hint = ValueHint::FilePath)]
+    override_files: Vec<PathBuf>,
     /// Select runs by a condition, such as 'name ~ "push*" and floor.friction.static < 0.5'
     /// (docs/ci.md)
     #[arg(long, value_name = "EXPR")]
@@ -156,7 +161,7 @@ impl Selection {
                 return Err(exits.fold(Exit::Invalid, |_, exit| exit));
             }
         };
-        let overrides: Vec<_> = self.overrides.iter().map(|o| o.value.clone()).collect();
+        let overrides = self.all_overrides().map_err(refused)?;
         // A filter is judged by all runs.
         let planned = shard.filter(|_| filter.is_none());
         let prepared = batch::prepare_within(&files, &overrides, self.max_runs.get(), time_limit, planned);
@@ -190,9 +195,22 @@ impl Selection {
         Ok(plan)
     }
 
+    /// The values of files, then those of the command line.
+    fn all_overrides(&self) -> Result<Vec<(String, toml::Value)>, Box<Diagnostic>> {
+        let mut all = Vec::new();
+        for file in &self.override_files {
+            all.extend(override_files::read(file)?);
+        }
+        all.extend(self.overrides.iter().map(|o| o.value.clone()));
+        Ok(all)
+    }
+
     /// The selection as arguments for another machine, with absolute paths.
     pub fn to_arguments(&self) -> Result<Vec<String>, Exit> {
-        let mut arguments: Vec<String> = self.overrides.iter().map(|o| format!("--set={}", o.typed)).collect();
+        let files = self.override_files.iter();
+        let files = files.map(|file| Ok(format!("--set-from={}", scenario_files::absolute_text(file)?)));
+        let mut arguments: Vec<String> = files.collect::<Result<_, Exit>>()?;
+        arguments.extend(self.overrides.iter().map(|o| format!("--set={}", o.typed)));
         arguments.extend(self.filter.iter().map(|filter| format!("--filter={filter}")));
         if self.max_runs != MOST_RUNS {
             arguments.push(format!("--max-runs={}", self.max_runs));

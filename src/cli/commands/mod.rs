@@ -6,6 +6,7 @@ pub mod completions;
 pub mod console;
 pub mod convert;
 pub mod export;
+pub mod fit;
 pub mod inspect;
 pub mod list;
 pub mod man;

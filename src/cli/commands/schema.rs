@@ -1,7 +1,7 @@
 //! `runner schema`: prints schemas of the formats for editors and other programs.
 
 use crate::schema_page::{Notation, page};
-use crate::{batch, robot, scenario};
+use crate::{batch, fit, robot, scenario};
 use clap::{Args, ValueEnum};
 
 use crate::cli::{Exit, terminal};
@@ -24,6 +24,8 @@ enum Format {
     Scenario,
     /// A robot file
     Robot,
+    /// A fit file
+    Fit,
     /// Messages of `--message-format json`, each line
     Messages,
 }
@@ -34,6 +36,7 @@ impl Schema {
         let schema = match self.format {
             Format::Scenario => scenario::schema(),
             Format::Robot => robot::schema(),
+            Format::Fit => fit::schema(),
             Format::Messages => batch::message_schema(),
         };
         let text = if self.markdown { self.format.page(&schema) } else { format!("{schema:#}\n") };
@@ -55,6 +58,11 @@ impl Format {
                 Notation::Toml,
                 "Robot files: every key",
                 "[robots.md](../robots.md) adds examples and the rules that types cannot express.",
+            ),
+            Format::Fit => (
+                Notation::Toml,
+                "Fit files: every key",
+                "[fitting.md](../fitting.md) adds examples and the rules that types cannot express.",
             ),
             Format::Messages => (
                 Notation::Json,

@@ -200,7 +200,7 @@ pub fn blank_points(tasks: &TaskServer) -> Vec<PointOfInterest> {
     points
 }
 
-/// Snapshots at a constant rate.
+/// Snapshots at a constant rate, or at given instants.
 #[derive(Clone)]
 pub struct SnapshotLog {
     /// The last snapshot.
@@ -209,6 +209,8 @@ pub struct SnapshotLog {
     pub edges: Vec<Edge>,
     /// Snapshots per second; 0 for the last one only.
     rate: f64,
+    /// Instants, s, ascending; empty: those of the rate.
+    instants: Vec<f64>,
     /// Instants of the log so far.
     count: u64,
     /// Time of the last snapshot, s.
@@ -217,13 +219,16 @@ pub struct SnapshotLog {
 
 impl SnapshotLog {
     /// Starts with an empty snapshot.
-    pub fn new(snapshot: Snapshot, rate: f64) -> Self {
-        SnapshotLog { snapshot, edges: Vec::new(), rate, count: 0, last: None }
+    pub fn new(snapshot: Snapshot, rate: f64, instants: Vec<f64>) -> Self {
+        SnapshotLog { snapshot, edges: Vec::new(), rate, instants, count: 0, last: None }
     }
 
     /// Time of the next snapshot due, s.
     pub fn next(&self) -> Option<f64> {
-        (self.rate > 0.0).then(|| self.count as f64 / self.rate)
+        match self.instants.as_slice() {
+            [] => (self.rate > 0.0).then(|| self.count as f64 / self.rate),
+            given => given.get(usize::try_from(self.count).ok()?).copied(),
+        }
     }
 
     /// Counts an instant of the log at time `now`. Returns whether it differs from the last one.
