@@ -28,7 +28,7 @@ MEANING = {
     2: "the input is invalid; nothing was run.",
     3: "a run or a reference run did not finish, or results could not be written.",
     4: "nothing was selected.",
-    5: "a claim is undecided.",
+    5: "a claim is undecided, or a search has no result.",
     130: "interrupted; finished runs are kept.",
     143: "interrupted; finished runs are kept.",
 }
@@ -215,13 +215,16 @@ def differences(compared):
     """Runs and values that differ: their number, and their part of the summary."""
     beyond, outcomes = compared["beyond"], compared["outcomes"]
     gone, added = compared["only_in_a"], compared["only_in_b"]
-    changed = len(beyond) + len(outcomes) + len(gone) + len(added)
+    claims, searches = compared.get("claims", []), compared.get("searches", [])
+    changed = len(beyond) + len(outcomes) + len(claims) + len(searches) + len(gone) + len(added)
     if not changed:
         return 0, [f"{count(compared['matched'], 'run')} compared: no change beyond tolerance.", ""]
     parts = [
         f"{count(len(list_), noun)} {state}"
         for list_, noun, state in (
             (outcomes, "outcome", "changed"),
+            (claims, "claim", "changed"),
+            (searches, "found value", "changed"),
             (beyond, "value", "beyond tolerance"),
             (gone, "run", "missing"),
             (added, "run", "added"),
@@ -232,6 +235,10 @@ def differences(compared):
     if outcomes:
         rows = [[code(o["run"]), code(o["a"]), code(o["b"])] for o in outcomes]
         lines += table(["run", "outcome before", "now"], set(), rows, "outcome", 10)
+    for key, found in (("claim", claims), ("search", searches)):
+        if found:
+            rows = [[code(one[key]), code(one["a"]), code(one["b"])] for one in found]
+            lines += table([key, "before", "now"], set(), rows, key, 10)
     # Sorted by relative change.
     rows = [row for _, row in sorted(map(change_row, beyond), key=lambda pair: -pair[0])]
     header = ["run", "metric", "before", "now", "difference", "relative"]
@@ -323,6 +330,35 @@ def claim_table(claims, title="Claims"):
     return [f"#### {title}", "", *rows, ""]
 
 
+def found(search):
+    """What a search found; empty without a result."""
+    points = sum(len(line) for line in search.get("lines", []))
+    if search["interval"]:
+        side = "above" if search["interval"]["holds_above"] else "below"
+        return f"{search['interval']['lower']:.9g} to {search['interval']['upper']:.9g}, holds {side}"
+    if search["best"]:
+        at = ", ".join(f"{key} = {x:.9g}" for key, x in zip(search["keys"], search["best"]["at"]))
+        return f"{search['best']['value']:.6g} at {at}"
+    return f"{count(len(search['lines']), 'line')} of {count(points, 'point')}" if points else ""
+
+
+def search_table(searches):
+    """The searches with verdict and what they found; nothing without searches."""
+    if not searches:
+        return []
+    rows = ["| search | verdict | over | found | runs |", "|---|---|---|---|---|"]
+    for search in searches[:ROWS]:
+        kind = {"minimum": "least ", "maximum": "greatest "}.get(search["search"], "")
+        name = f"{search['scenario']}: {kind}{search['subject']}" + (f" [{search['label']}]" if search["label"] else "")
+        given = found(search) or search["message"]
+        shown = code(given) if given else ""
+        cells = [code(name), search["verdict"], code(", ".join(search["keys"])), shown, str(search["runs"])]
+        rows.append("| " + " | ".join(cells) + " |")
+    if len(searches) > ROWS:
+        rows += ["", f"and {len(searches) - ROWS} more"]
+    return ["#### Searches", "", *rows, ""]
+
+
 def summary(messages, compared, given):
     """The Markdown, the number of failed runs and the number of changes."""
     exit_code = given.exit_code
@@ -368,6 +404,7 @@ def summary(messages, compared, given):
     if total:
         lines += scenario_table(runs)
         lines += failure_tables(runs)
+    lines += search_table(events.get("search-ended", []))
     lines += claim_table(events.get("claim-judged", []))
     changed = None
     if given.baseline:

@@ -241,6 +241,51 @@ claim = [
         self.assertNotIn("Claims", self.run_step().summary)
 
 
+class Searches(Case):
+    # Without expectations.
+    BLOCK = scenario().split("expect")[0]
+    SEARCH = """[search]
+boundary = { metric = "final_base_x", min = 0.3 }
+over = { "robot.base.linear_velocity.0" = { between = [1, 2], tolerance = 0.01 } }
+[sweep]
+grid = { "floor.friction" = [0.4, 0.5] }
+"""
+
+    def test_boundaries_are_listed(self):
+        # v^2 / (2 mu g) = 0.3 m: 1.534 m/s and 1.716 m/s.
+        self.write("slide.toml", self.BLOCK + self.SEARCH)
+        step = self.run_step()
+        self.assertEqual(step.code, 0, step.stderr)
+        self.assertIn("#### Searches\n", step.summary)
+        name = "`slide: final_base_x at least 0.3 [floor.friction={}]`"
+        for friction, found in (0.4, "1.53 to 1.54, holds above"), (0.5, "1.71 to 1.72, holds above"):
+            row = cells(step.summary, name.format(friction))[0]
+            self.assertEqual(row[1:4], ["found", "`robot.base.linear_velocity.0`", f"`{found}`"])
+
+    def test_best_values_and_none_are_listed(self):
+        best = self.SEARCH.replace('boundary = { metric = "final_base_x", min = 0.3 }', 'maximize = "final_base_x"\nruns = 60')
+        self.write("slide.toml", self.BLOCK + best)
+        step = self.run_step()
+        row = cells(step.summary, "`slide: greatest final_base_x [floor.friction=0.5]`")[0]
+        self.assertEqual(row[1:4], ["found", "`robot.base.linear_velocity.0`", "`0.407747 at robot.base.linear_velocity.0 = 2`"])
+        self.write("slide.toml", self.BLOCK + self.SEARCH.replace("0.3", "9.0"))
+        step = self.run_step()
+        self.assertEqual(step.code, 5, step.stderr)
+        self.assertIn("a search has no result", step.summary)
+        self.assertEqual(cells(step.summary, "`slide: final_base_x at least 9 [floor.friction=0.4]`")[0][1], "no-boundary")
+
+
+    def test_moved_boundaries_are_compared(self):
+        path = self.write("slide.toml", self.BLOCK + self.SEARCH)
+        self.run_step(output="before")
+        path.write_text((self.BLOCK + self.SEARCH).replace("duration = 1.0", "duration = 0.3"), encoding="utf-8")
+        step = self.run_step(baseline="before")
+        self.assertGreaterEqual(int(step.outputs["changed"]), 2)
+        # After 0.3 s, v t - mu g t^2 / 2 = 0.3 m: 1.589 m/s.
+        name = "`slide floor.friction=0.4: final_base_x at least 0.3 over robot.base.linear_velocity.0`"
+        self.assertEqual(cells(step.summary, name)[0][1:], ["`found 1.53 to 1.54`", "`found 1.58 to 1.59`"])
+
+
 class History(Case):
     CLAIM = """sweep = { repeat = 5 }
 claim = [{ name = "stays", change = "final_base_x", at_most = 0.05 }]

@@ -135,6 +135,25 @@ fn a_probe_is_the_run_of_a_sweep() {
 }
 
 #[test]
+fn a_boundary_that_moved_is_a_difference() {
+    let place = place(&[SEARCH, FAR, CELLS]);
+    run(&place, "a", &[]).exits(0);
+    run(&place, "again", &[]).exits(0);
+    let same = place.runner(&["compare", "a", "again"]).exits(0);
+    assert!(!same.stdout.contains("search:"), "{}", same.stdout);
+    // With 1 ms more, 36 mm/s less reach the same distance.
+    run(&place, "b", &["--set", "duration=0.021"]).exits(0);
+    let changed = place.runner(&["compare", "a", "b"]).exits(1);
+    let search = "search: s contact.method=exact floor.friction=0.4: final_base_x at least 0.015 over \
+        robot.base.linear_velocity.0: found 0.";
+    assert_eq!(changed.stdout.matches("search: s ").count(), 6, "{}", changed.stdout);
+    assert!(changed.stdout.contains(search), "{}", changed.stdout);
+    let json = place.runner(&["compare", "a", "b", "--format", "json"]).exits(1);
+    let json: Value = serde_json::from_str(&json.stdout).unwrap();
+    assert_eq!(json["searches"].as_array().unwrap().len(), 6);
+}
+
+#[test]
 fn verdicts_without_a_boundary_have_an_exit_code() {
     let never = place(&[SEARCH, "boundary = { outcome = \"fallen\" }\n"]);
     run(&never, "results", &[]).exits(5);

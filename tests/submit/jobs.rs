@@ -160,3 +160,19 @@ fn a_dry_run_needs_no_cluster_and_submits_nothing() {
     site.slurm.unset("down");
     site.runner(&submit("sweep", "2", &["many.toml"])).exits(0);
 }
+
+/// Neither four passed runs nor a search without a boundary show anything.
+#[test]
+fn waiting_ends_as_undecided_with_the_merge() {
+    let claim = "[[claim]]\nname = \"passes\"\nshare = { outcome = \"passed\" }\nat_least = 0.9\n[sweep]\nrepeat = 4\n";
+    let search = "[search]\nboundary = { outcome = \"fallen\" }\n\
+        over = { \"duration\" = { between = [0.01, 0.02], tolerance = 0.001 } }\n[sweep]\nrepeat = 3\n";
+    for (text, parts) in [(claim, "2"), (search, "3")] {
+        let site = Site::new();
+        site.place.block("open.toml", text);
+        site.slurm.set("run", "");
+        site.runner(&submit("sweep", parts, &["open.toml", "--wait"])).exits(5);
+        let merged = site.script("sweep", "merge.txt");
+        assert!(merged.contains("undecided") || merged.contains("no-boundary"), "{merged}");
+    }
+}

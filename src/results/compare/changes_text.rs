@@ -26,6 +26,16 @@ impl Display for Changes {
             writeln!(f, "claim: {}: {} in A, {} in B", visible(&change.claim), change.a, change.b)?;
         }
         more(f, self.claims.len(), 0, "claims")?;
+        for change in self.searches.iter().take(MAX_LISTED) {
+            writeln!(
+                f,
+                "search: {}: {} in A, {} in B",
+                visible(&change.search),
+                visible(&change.a),
+                visible(&change.b)
+            )?;
+        }
+        more(f, self.searches.len(), 0, "searches")?;
         if !self.beyond.is_empty() {
             let header = ["beyond", "run", "A", "B", "distance", "allowed"];
             let lines = self.beyond.iter().take(MAX_LISTED).map(|d| {

@@ -28,6 +28,7 @@ mod result_row;
 mod results;
 mod row_pairs;
 mod row_source;
+mod search_changes;
 mod table_rows;
 mod tolerance;
 
@@ -44,6 +45,7 @@ pub use results::{Results, ResultsError};
 pub(super) use row_pairs::{identity, identity_of, same_text};
 pub use row_source::ResultsErrorCause;
 pub(super) use row_source::Rows;
+pub use search_changes::SearchChange;
 pub use table_rows::{TableRows, read_table};
 pub(super) use tolerance::ColumnCheck;
 pub use tolerance::{Limits, Tolerance, UnknownColumn};
@@ -67,6 +69,9 @@ pub struct Changes {
     /// Claims of both with different verdicts.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub claims: Vec<ClaimChange>,
+    /// Searches of both that found different values.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub searches: Vec<SearchChange>,
     /// Values beyond the tolerance, in the order of A's rows.
     pub beyond: Vec<Difference>,
     /// Columns with any difference.
@@ -108,7 +113,7 @@ pub enum CompareError {
     /// One of them cannot be read.
     #[error(transparent)]
     Results(#[from] ResultsError),
-    /// The claims of one of them cannot be read.
+    /// The claims or searches of one of them cannot be read.
     #[error(transparent)]
     Claims(#[from] RecordError),
 }
@@ -157,10 +162,12 @@ pub struct ColumnChange {
 }
 
 impl Changes {
-    /// True if all runs match within the tolerances, and claims have the same verdicts.
+    /// True if all runs match within the tolerances, claims have the same verdicts, and searches found the
+    /// same.
     pub fn is_within(&self) -> bool {
         let missing = !self.only_in_a.is_empty() || !self.only_in_b.is_empty();
-        !missing && self.outcomes.is_empty() && self.claims.is_empty() && self.beyond.is_empty()
+        let verdicts = self.outcomes.is_empty() && self.claims.is_empty() && self.searches.is_empty();
+        !missing && verdicts && self.beyond.is_empty()
     }
 }
 
@@ -214,6 +221,7 @@ pub fn compare(a: &mut Results, b: &mut Results, limits: &Limits) -> Result<Chan
         push(&mut changes.only_in_b, &mut changes.omitted.only_in_b, || row_b.label());
     }
     changes.claims = claim_changes::claim_changes(a, b)?;
+    changes.searches = search_changes::search_changes(a, b)?;
     changes.columns = found.into_iter().filter(|column| column.differ > 0).collect();
     Ok(changes)
 }

@@ -13,6 +13,7 @@ use crate::results::compare::json_rows::JsonRows;
 use crate::results::compare::parquet_rows::ParquetRows;
 use crate::results::compare::result_row::ResultRow;
 use crate::results::compare::row_source::{ResultsErrorCause, Rows};
+use crate::results::searches::{SearchResult, read_searches};
 
 /// Columns that a history of results has, and a summary has not.
 pub(in crate::results) const HISTORY_COLUMNS: [&str; 3] = ["schema", "result", "recorded_unix_s"];
@@ -85,6 +86,15 @@ impl Results {
     /// `claims.json` cannot be read.
     pub(in crate::results) fn claims(&self) -> Result<Vec<ClaimVerdict>, RecordError> {
         self.claims.clone().map_or_else(|| read_claims(self.folder()), Ok)
+    }
+
+    /// Results of the searches that chose these runs.
+    ///
+    /// # Errors
+    /// `searches.json` cannot be read.
+    pub(super) fn searches(&self) -> Result<Vec<SearchResult>, RecordError> {
+        // Other sources have none.
+        if self.claims.is_some() { Ok(Vec::new()) } else { read_searches(self.folder()) }
     }
 
     /// Names of the columns.
