@@ -222,8 +222,9 @@ fn check_keys(
         if check(&with_values(overrides, start)).is_ok() {
             return Ok(());
         }
-        if errors.0.iter().any(|error| error.message.contains("runs")) {
-            let message = "the scenario is swept: a fit needs a single run";
+        let all = file.expansion(&Overrides::new(), scenario::DEFAULT_MAX_RUNS);
+        if all.is_ok_and(|expansion| expansion.runs() > 1) {
+            let message = "the scenario has a sweep or a search: a fit needs a single run";
             findings.push(Finding::Scenario(fit.error_at("scenario", message, None)));
         }
         findings.extend(errors);

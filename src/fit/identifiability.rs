@@ -123,7 +123,7 @@ pub fn describe(direction: &[f64], axes: &[Axis]) -> String {
         all => {
             let changes: Vec<String> = all.iter().map(change).collect();
             let names: Vec<String> = all.iter().map(|(_, axis)| format!("`{}`", axis.name)).collect();
-            let (last, others) = names.split_last().expect("two or more");
+            let [others @ .., last] = names.as_slice() else { return String::new() };
             format!(
                 "the data determine only the {} of {} and {last}: changes of {} have no effect together",
                 combination(all),

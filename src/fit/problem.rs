@@ -15,6 +15,7 @@ use crate::fit::recording::Recording;
 use crate::fit::units;
 use crate::math;
 use crate::scenario::IntegratorMethod;
+use crate::text::plural::plural;
 
 /// A fit whose data, scenarios and robots are loaded and checked.
 #[derive(Clone)]
@@ -125,7 +126,8 @@ impl Fit {
         }
         let values: usize = experiments.iter().filter(|e| !e.hold_out).map(|e| e.recording.points()).sum();
         if values <= file.spec.parameter.len() {
-            let message = format!("{values} values cannot determine {} parameters", file.spec.parameter.len());
+            let parameters = plural(file.spec.parameter.len(), "parameter");
+            let message = format!("{} cannot determine {parameters}", plural(values, "value"));
             findings.push(Finding::Scenario(file.error_at("data", message, None)));
             return Err(findings);
         }

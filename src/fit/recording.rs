@@ -7,6 +7,7 @@ use crate::files::input;
 use crate::fit::fit_file::FitFile;
 use crate::log::Trajectory;
 use crate::text::pattern::matches;
+use crate::text::plural::plural;
 use crate::text::{Diagnostic, suggest};
 
 /// The channels of a data set: one column each.
@@ -147,7 +148,10 @@ fn from_csv(path: &Path, fit: &FitFile, index: usize) -> Result<Table, Box<Diagn
     for line in lines {
         let cells: Vec<&str> = line.split(',').map(unquoted).collect();
         if cells.len() != names.len() {
-            return Err(refuse(line, format!("this line has {} cells, the header {}", cells.len(), names.len())));
+            return Err(refuse(
+                line,
+                format!("this line has {}, the header {}", plural(cells.len(), "cell"), names.len()),
+            ));
         }
         for (c, cell) in cells.iter().enumerate() {
             let value = match cell.parse::<f64>() {

@@ -3,10 +3,11 @@
 
 use crate::files::RecordError;
 use crate::report::axis::{Axis, linear, logarithmic};
-use crate::report::canvas::{Area, DrawError, Mark, Overlay, SCALE, picture, text};
+use crate::report::canvas::{Area, DrawError, Mark, Overlay, picture};
+use crate::report::chart::{Side, Space, chart};
 use crate::report::palette;
 use crate::results::searches::{Probe, SearchKind, SearchResult};
-use plotters::prelude::{ChartBuilder, LineSeries};
+use plotters::prelude::LineSeries;
 use plotters::style::Color;
 
 /// Width and height, pixels.
@@ -43,27 +44,9 @@ fn draw(search: &SearchResult, area: &Area, overlay: &mut Overlay) -> Result<(),
     let y = if is_wide { logarithmic(sizes()) } else { linear(sizes(), 6, 1e-18) };
     let count = search.probes.len().max(2) as f64;
     let x = Axis { from: 0.0, to: count + 1.0, ..linear([1.0, count].into_iter(), 8, 1.0) };
-    let mut chart = ChartBuilder::on(area)
-        .margin(6 * SCALE)
-        .margin_right(16 * SCALE)
-        .x_label_area_size(38 * SCALE)
-        .y_label_area_size(60 * SCALE)
-        .build_cartesian_2d(x.clone(), y.clone())
-        .map_err(|e| text_of(&e))?;
-    let grid = palette::rgb(palette::GRID).stroke_width(4);
-    chart
-        .configure_mesh()
-        .bold_line_style(grid)
-        .light_line_style(grid)
-        .axis_style(palette::rgb(palette::AXIS).stroke_width(4))
-        .label_style(text(12, palette::FAINT))
-        .axis_desc_style(text(13, palette::INK))
-        .x_desc("runs, in the order in which they were chosen")
-        .y_desc(search.subject.clone())
-        .x_label_formatter(&|v| x.label(*v))
-        .y_label_formatter(&|v| y.label(*v))
-        .draw()
-        .map_err(|e| text_of(&e))?;
+    let x_side = Side { axis: &x, title: "runs, in the order in which they were chosen", label: &|v| x.label(v) };
+    let y_side = Side { axis: &y, title: &search.subject, label: &|v| y.label(v) };
+    let mut chart = chart(area, &x_side, &y_side, Space::SINGLE)?;
     let style = palette::rgb(palette::INK).stroke_width(6);
     chart.draw_series(LineSeries::new(best, style)).map_err(|e| text_of(&e))?;
     for (run, value, probe) in values {

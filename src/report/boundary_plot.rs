@@ -3,11 +3,10 @@
 
 use crate::files::RecordError;
 use crate::report::axis::{Axis, linear, logarithmic};
-use crate::report::canvas::{Area, DrawError, Mark, Overlay, SCALE, picture, text};
+use crate::report::canvas::{Area, DrawError, Mark, Overlay, picture};
+use crate::report::chart::{Side, Space, chart};
 use crate::report::palette;
 use crate::results::searches::{Probe, SearchResult};
-use plotters::prelude::ChartBuilder;
-use plotters::style::Color;
 
 /// Width and height, pixels.
 const SIZE: (u32, u32) = (720, 320);
@@ -26,7 +25,6 @@ pub(super) fn boundary_plot(searches: &[SearchResult]) -> Result<String, RecordE
 }
 
 fn draw(searches: &[SearchResult], area: &Area, overlay: &mut Overlay) -> Result<(), DrawError> {
-    let text_of = |e: &dyn std::fmt::Display| e.to_string();
     let SearchResult { subject, keys, .. } = &searches[0];
     let key = &keys[0];
     let values = searches.iter().flat_map(|search| &search.probes).map(|probe| probe.at[0]);
@@ -35,27 +33,10 @@ fn draw(searches: &[SearchResult], area: &Area, overlay: &mut Overlay) -> Result
     let x = linear([0.0, count - 1.0].into_iter(), 10, 1.0);
     let ticks = x.ticks.iter().copied().filter(|tick| tick.fract() == 0.0).collect();
     let x = Axis { from: -0.5, to: count - 0.5, ticks, ..x };
-    let mut chart = ChartBuilder::on(area)
-        .margin(6 * SCALE)
-        .margin_right(16 * SCALE)
-        .x_label_area_size(38 * SCALE)
-        .y_label_area_size(60 * SCALE)
-        .build_cartesian_2d(x, y.clone())
-        .map_err(|e| text_of(&e))?;
-    let grid = palette::rgb(palette::GRID).stroke_width(4);
-    chart
-        .configure_mesh()
-        .bold_line_style(grid)
-        .light_line_style(grid)
-        .axis_style(palette::rgb(palette::AXIS).stroke_width(4))
-        .label_style(text(12, palette::FAINT))
-        .axis_desc_style(text(13, palette::INK))
-        .x_desc("combination of swept values, in the order of the plan")
-        .y_desc(key.clone())
-        .x_label_formatter(&|v| v.to_string())
-        .y_label_formatter(&|v| y.label(*v))
-        .draw()
-        .map_err(|e| text_of(&e))?;
+    let x_side =
+        Side { axis: &x, title: "combination of swept values, in the order of the plan", label: &|v| v.to_string() };
+    let y_side = Side { axis: &y, title: key, label: &|v| y.label(v) };
+    let chart = chart(area, &x_side, &y_side, Space::SINGLE)?;
     let at = |x: f64, y: f64| chart.backend_coord(&(x, y));
     for (column, search) in searches.iter().enumerate() {
         let column = column as f64;

@@ -2,10 +2,11 @@
 
 use crate::files::RecordError;
 use crate::report::axis::{Axis, linear};
-use crate::report::canvas::{Area, DrawError, Overlay, SCALE, picture, text};
+use crate::report::canvas::{Area, DrawError, Overlay, picture};
+use crate::report::chart::{Side, Space, chart};
 use crate::report::palette::{self, Colour};
 use crate::results::claims::{ClaimVerdict, TracePoint};
-use plotters::prelude::{ChartBuilder, LineSeries};
+use plotters::prelude::LineSeries;
 use plotters::style::Color;
 
 /// Width and height, pixels.
@@ -39,28 +40,10 @@ fn draw(claim: &ClaimVerdict, area: &Area, overlay: &mut Overlay) -> Result<(), 
     };
     let ticks = x.ticks.iter().copied().filter(|t| (from..=to).contains(t)).collect();
     let x = Axis { from, to, ticks, ..x };
-    let mut chart = ChartBuilder::on(area)
-        .margin(6 * SCALE)
-        .margin_right(16 * SCALE)
-        .x_label_area_size(38 * SCALE)
-        .y_label_area_size(60 * SCALE)
-        .build_cartesian_2d(x.clone(), y.clone())
-        .map_err(|e| text_of(&e))?;
-    let grid = palette::rgb(palette::GRID).stroke_width(4);
     let unit = if claim.paired { "pairs of runs" } else { "runs" };
-    chart
-        .configure_mesh()
-        .bold_line_style(grid)
-        .light_line_style(grid)
-        .axis_style(palette::rgb(palette::AXIS).stroke_width(4))
-        .label_style(text(12, palette::FAINT))
-        .axis_desc_style(text(13, palette::INK))
-        .x_desc(format!("{unit}, in the order of the plan"))
-        .y_desc("share")
-        .x_label_formatter(&|v| x.label(*v))
-        .y_label_formatter(&|v| y.label(*v))
-        .draw()
-        .map_err(|e| text_of(&e))?;
+    let x_side = Side { axis: &x, title: &format!("{unit}, in the order of the plan"), label: &|v| x.label(v) };
+    let y_side = Side { axis: &y, title: "share", label: &|v| y.label(v) };
+    let mut chart = chart(area, &x_side, &y_side, Space::SINGLE)?;
     let curves: [Curve; 3] =
         [(palette::curve(0), 5, |p| p.lower), (palette::curve(0), 5, |p| p.upper), (palette::INK, 7, |p| p.share)];
     for (colour, width, value) in curves {

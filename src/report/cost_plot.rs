@@ -4,11 +4,12 @@ use crate::files::RecordError;
 use crate::math;
 use crate::metrics::unit;
 use crate::report::axis::{self, logarithmic};
-use crate::report::canvas::{Area, DrawError, Mark, Overlay, PixelPoint, SCALE, picture, swatch, text};
+use crate::report::canvas::{Area, DrawError, Mark, Overlay, PixelPoint, picture, swatch};
+use crate::report::chart::{Side, Space, chart};
 use crate::report::palette::{self, Colour};
 use crate::results::is_truth;
 use crate::results::pareto::{Curve, Group, Work, front_as_shown};
-use plotters::prelude::{ChartBuilder, LineSeries};
+use plotters::prelude::LineSeries;
 use plotters::style::Color;
 
 /// Width and height, pixels.
@@ -112,28 +113,11 @@ fn draw(
         y.fine.retain(|v| *v > 1.01 * floor);
     }
     let x = logarithmic(spots.iter().map(|s| s.cost));
-    let mut chart = ChartBuilder::on(area)
-        .margin(6 * SCALE)
-        .margin_right(16 * SCALE)
-        .x_label_area_size(38 * SCALE)
-        .y_label_area_size(60 * SCALE)
-        .build_cartesian_2d(x.clone(), y.clone())
-        .map_err(|e| text_of(&e))?;
     let unit = unit(column);
     let y_title = if unit.is_empty() { "error".to_owned() } else { format!("error, {unit}") };
-    chart
-        .configure_mesh()
-        .bold_line_style(palette::rgb(palette::GRID).stroke_width(4))
-        .light_line_style(palette::rgb(palette::FINE).stroke_width(4))
-        .axis_style(palette::rgb(palette::AXIS).stroke_width(4))
-        .label_style(text(12, palette::FAINT))
-        .axis_desc_style(text(13, palette::INK))
-        .x_desc("cost, processor seconds per simulated second")
-        .y_desc(y_title)
-        .x_label_formatter(&|v| x.label(*v))
-        .y_label_formatter(&|v| y.label(*v))
-        .draw()
-        .map_err(|e| text_of(&e))?;
+    let x_side = Side { axis: &x, title: "cost, processor seconds per simulated second", label: &|v| x.label(v) };
+    let y_side = Side { axis: &y, title: &y_title, label: &|v| y.label(v) };
+    let mut chart = chart(area, &x_side, &y_side, Space::SINGLE)?;
     let point = |s: &Spot| {
         let error = if s.error > 0.0 { axis::clamped(s.error) } else { floor };
         (axis::clamped(s.cost), error)

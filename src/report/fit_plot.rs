@@ -2,10 +2,11 @@
 
 use crate::files::RecordError;
 use crate::report::axis::{Axis, linear};
-use crate::report::canvas::{Area, DrawError, Mark, Overlay, SCALE, picture, swatch, text};
+use crate::report::canvas::{Area, DrawError, Mark, Overlay, SCALE, picture, swatch};
+use crate::report::chart::{Side, Space, chart};
 use crate::report::palette::{self, Colour};
 use plotters::element::Circle;
-use plotters::prelude::{ChartBuilder, LineSeries};
+use plotters::prelude::LineSeries;
 use plotters::style::Color;
 
 /// Sizes of the picture and its parts, pixels.
@@ -89,27 +90,10 @@ fn draw_part(
 ) -> Result<(), DrawError> {
     let text_of = |e: &dyn std::fmt::Display| e.to_string();
     let (time, y) = (part.time, &part.values);
-    let mut chart = ChartBuilder::on(area)
-        .margin_top(12 * SCALE)
-        .margin_right(14 * SCALE)
-        .x_label_area_size(part.below * SCALE)
-        .y_label_area_size(LEFT * SCALE)
-        .build_cartesian_2d(time.clone(), y.clone())
-        .map_err(|e| text_of(&e))?;
-    let grid = palette::rgb(palette::GRID).stroke_width(4);
-    chart
-        .configure_mesh()
-        .bold_line_style(grid)
-        .light_line_style(grid)
-        .axis_style(palette::rgb(palette::AXIS).stroke_width(4))
-        .label_style(text(12, palette::FAINT))
-        .axis_desc_style(text(13, palette::INK))
-        .x_desc(if part.below > 0 { "simulated time, s" } else { "" })
-        .y_desc(part.label)
-        .x_label_formatter(&|v| time.label(*v))
-        .y_label_formatter(&|v| y.label(*v))
-        .draw()
-        .map_err(|e| text_of(&e))?;
+    let x_side =
+        Side { axis: time, title: if part.below > 0 { "simulated time, s" } else { "" }, label: &|v| time.label(v) };
+    let y_side = Side { axis: y, title: part.label, label: &|v| y.label(v) };
+    let mut chart = chart(area, &x_side, &y_side, Space::stacked(part.below, LEFT))?;
     match curve {
         Some(curve) => {
             let line = LineSeries::new(thinned(curve), palette::rgb(palette::curve(FITTED)).stroke_width(6));

@@ -3,11 +3,12 @@
 
 use crate::files::RecordError;
 use crate::report::axis::{Axis, linear};
-use crate::report::canvas::{Area, DrawError, Mark, Overlay, SCALE, picture, text};
+use crate::report::canvas::{Area, DrawError, Mark, Overlay, picture};
+use crate::report::chart::{Side, Space, chart};
 use crate::report::labels::short;
 use crate::report::palette;
 use crate::results::history::{Curve, MetricCurves};
-use plotters::prelude::{ChartBuilder, LineSeries};
+use plotters::prelude::LineSeries;
 use plotters::style::Color;
 
 /// Width and height, pixels.
@@ -41,27 +42,10 @@ fn draw(metric: &MetricCurves, area: &Area, overlay: &mut Overlay) -> Result<(),
     let ticks: Vec<f64> =
         (0..results).filter(|at| (results - 1 - at).is_multiple_of(stride)).map(|at| at as f64).collect();
     let x = Axis { from: -0.5, to: results as f64 - 0.5, ticks, fine: Vec::new(), logarithmic: false };
-    let mut chart = ChartBuilder::on(area)
-        .margin(6 * SCALE)
-        .margin_right(16 * SCALE)
-        .x_label_area_size(38 * SCALE)
-        .y_label_area_size(76 * SCALE)
-        .build_cartesian_2d(x, y.clone())
-        .map_err(|e| text_of(&e))?;
-    let grid = palette::rgb(palette::GRID).stroke_width(4);
     let title = |at: f64| metric.results.get(at as usize).map(|(title, _)| shortened(title)).unwrap_or_default();
-    chart
-        .configure_mesh()
-        .bold_line_style(grid)
-        .light_line_style(grid)
-        .axis_style(palette::rgb(palette::AXIS).stroke_width(4))
-        .label_style(text(12, palette::FAINT))
-        .axis_desc_style(text(13, palette::INK))
-        .x_desc("results, the newest last")
-        .x_label_formatter(&|at| title(*at))
-        .y_label_formatter(&|value| y.label(*value))
-        .draw()
-        .map_err(|e| text_of(&e))?;
+    let x_side = Side { axis: &x, title: "results, the newest last", label: &title };
+    let y_side = Side { axis: &y, title: "", label: &|v| y.label(v) };
+    let mut chart = chart(area, &x_side, &y_side, Space { left: 76, ..Space::SINGLE })?;
     for (index, (curve, points)) in metric.curves.iter().zip(drawn).enumerate() {
         let line = LineSeries::new(points.iter().copied(), palette::rgb(palette::curve(index)).stroke_width(6));
         chart.draw_series(line).map_err(|e| text_of(&e))?;

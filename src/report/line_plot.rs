@@ -3,10 +3,11 @@
 
 use crate::files::RecordError;
 use crate::report::boundary_plot::{axis, shown};
-use crate::report::canvas::{Area, DrawError, Overlay, SCALE, picture, text};
+use crate::report::canvas::{Area, DrawError, Overlay, picture};
+use crate::report::chart::{Side, Space, chart};
 use crate::report::palette;
 use crate::results::searches::{LinePoint, SearchResult};
-use plotters::prelude::{ChartBuilder, LineSeries};
+use plotters::prelude::LineSeries;
 use plotters::style::Color;
 
 /// Width and height, pixels.
@@ -25,27 +26,9 @@ pub(super) fn line_plot(search: &SearchResult) -> Result<String, RecordError> {
 fn draw(search: &SearchResult, area: &Area, overlay: &mut Overlay) -> Result<(), DrawError> {
     let text_of = |e: &dyn std::fmt::Display| e.to_string();
     let [x, y] = [0, 1].map(|i| axis(search, i, search.probes.iter().map(|probe| probe.at[i]), 8));
-    let mut chart = ChartBuilder::on(area)
-        .margin(6 * SCALE)
-        .margin_right(16 * SCALE)
-        .x_label_area_size(38 * SCALE)
-        .y_label_area_size(60 * SCALE)
-        .build_cartesian_2d(x.clone(), y.clone())
-        .map_err(|e| text_of(&e))?;
-    let grid = palette::rgb(palette::GRID).stroke_width(4);
-    chart
-        .configure_mesh()
-        .bold_line_style(grid)
-        .light_line_style(grid)
-        .axis_style(palette::rgb(palette::AXIS).stroke_width(4))
-        .label_style(text(12, palette::FAINT))
-        .axis_desc_style(text(13, palette::INK))
-        .x_desc(search.keys[0].clone())
-        .y_desc(search.keys[1].clone())
-        .x_label_formatter(&|v| x.label(*v))
-        .y_label_formatter(&|v| y.label(*v))
-        .draw()
-        .map_err(|e| text_of(&e))?;
+    let x_side = Side { axis: &x, title: &search.keys[0], label: &|v| x.label(v) };
+    let y_side = Side { axis: &y, title: &search.keys[1], label: &|v| y.label(v) };
+    let mut chart = chart(area, &x_side, &y_side, Space::SINGLE)?;
     for line in &search.lines {
         let points = line.iter().map(LinePoint::middle).map(|[x, y]| (x, y));
         let style = palette::rgb(palette::INK).stroke_width(6);

@@ -12,7 +12,8 @@
 //! | expectations | `expectations` |
 //! | all runs, notes, files | `runs` |
 //!
-//! `fit_page` writes the page on a fit, whose signals `fit_plot` draws.
+//! `fit_page` writes the page on a fit, whose signals `fit_plot` draws. All are drawn on a `canvas`, with the axes of
+//! `chart`.
 //!
 //! Names, messages and paths are untrusted text: the templates escape all of it. The size of the
 //! page is bounded for any number of runs, and the page states what it omits.
@@ -24,6 +25,7 @@ mod axis;
 mod best_plot;
 mod boundary_plot;
 mod canvas;
+mod chart;
 mod claim_plot;
 mod claims;
 mod cost_plot;

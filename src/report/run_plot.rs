@@ -3,10 +3,11 @@
 
 use crate::files::RecordError;
 use crate::report::axis::{Axis, linear};
-use crate::report::canvas::{Area, DrawError, Overlay, SCALE, picture, swatch, text};
+use crate::report::canvas::{Area, DrawError, Overlay, SCALE, picture, swatch};
+use crate::report::chart::{Side, Space, chart};
 use crate::report::palette::{self, Colour};
 use crate::report::run_history::{History, SoleHistory, Stay};
-use plotters::prelude::{ChartBuilder, LineSeries};
+use plotters::prelude::LineSeries;
 use plotters::style::Color;
 
 /// Sizes of the picture and its parts, pixels.
@@ -90,27 +91,10 @@ fn draw(history: &History, parts: &[Part], area: &Area, overlay: &mut Overlay) -
             Some(_) => linear(values(), 4, part.least),
             None => Axis { from: 0.0, to: 1.0, ticks: Vec::new(), fine: Vec::new(), logarithmic: false },
         };
-        let mut chart = ChartBuilder::on(&own)
-            .margin_top(12 * SCALE)
-            .margin_right(14 * SCALE)
-            .x_label_area_size(below * SCALE)
-            .y_label_area_size(margin * SCALE)
-            .build_cartesian_2d(time.clone(), y.clone())
-            .map_err(|e| text_of(&e))?;
-        let grid = palette::rgb(palette::GRID).stroke_width(4);
-        chart
-            .configure_mesh()
-            .bold_line_style(grid)
-            .light_line_style(grid)
-            .axis_style(palette::rgb(palette::AXIS).stroke_width(4))
-            .label_style(text(12, palette::FAINT))
-            .axis_desc_style(text(13, palette::INK))
-            .x_desc(if last { "simulated time, s" } else { "" })
-            .y_desc(part.title)
-            .x_label_formatter(&|v| time.label(*v))
-            .y_label_formatter(&|v| y.label(*v))
-            .draw()
-            .map_err(|e| text_of(&e))?;
+        let x_side =
+            Side { axis: &time, title: if last { "simulated time, s" } else { "" }, label: &|v| time.label(v) };
+        let y_side = Side { axis: &y, title: part.title, label: &|v| y.label(v) };
+        let mut chart = chart(&own, &x_side, &y_side, Space::stacked(below, margin))?;
         let curves = part.curves.as_deref().unwrap_or_default();
         for (i, (colour, points)) in curves.iter().enumerate() {
             // The first curve is the widest, so that it shows below the others.

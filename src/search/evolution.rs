@@ -23,7 +23,7 @@
 //! drawn again. Each is probed at the nearest position of the lattice.
 //!
 //! When the positions no longer differ on the lattice, all neighbours of the best one, a step away along
-//! one key or two, are probed, and the search goes on from a better one until there is none. What it
+//! one key or two, are probed, and the search continues from a better one until there is none. What it
 //! ends with is therefore a minimum among its neighbours.
 
 // Products are of a matrix with a vector, in one order on every processor; others are written out.

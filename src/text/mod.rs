@@ -9,13 +9,14 @@
 //!   mean".
 //! - `visible`: escapes control characters in names; `plural`: counts with nouns.
 //! - `length_limit`: cuts the middle out of long messages.
-//! - `text_table`: tables for terminals; `utc_date`: dates of files; `quantity`: numeric fields with ranges and units.
+//! - `text_table`: tables for terminals; `csv_line`: lines of CSV tables; `utc_date`: dates of files; `quantity`: numeric fields with ranges and units.
 //! - `xml_syntax`: XML with positions; `xml_attributes`: limits the attributes of elements.
 //!
 //! Imports: nothing of this crate. Used by: `mesh`, `sdf`, `robot`, `motion`, `contact`, `script`, `scenario`,
 //! `sim`, `assemble`, `results`, `report`, `export`, `batch`, `console`, `fit`, `cli`.
 
 pub mod angle;
+pub(crate) mod csv_line;
 pub mod diagnostic;
 pub(crate) mod excerpt;
 pub mod length_limit;

@@ -64,6 +64,9 @@ fn a_good_file_has_no_errors() {
 #[test]
 fn errors_of_fit_files_name_line_key_and_values() {
     let bench = bench();
+    let search = "boundary = { outcome = \"fallen\" }, over = { duration = { between = [1, 2], tolerance = 0.1 } }";
+    let searched = format!("duration = 0.5\nrobot = {{ model = \"x\" }}\nsearch = {{ {search} }}\n");
+    bench.write("searched.toml", &searched);
     bench.write("swept.toml", "duration = 0.5\nrobot = { model = \"x\" }\nsweep = { grid = { seed = [1, 2] } }\n");
     bench.write("late.csv", "time_s,base_x_m\n0,1\n0.7,2\n");
     bench.write("back.csv", "time_s,base_x_m\n0,1\n0,2\n");
@@ -173,10 +176,11 @@ fn errors_of_fit_files_name_line_key_and_values() {
              here by `set = { duration = 0.7 }`, or `to`",
         ),
         ("slide.csv", "back.csv", "back.csv:3: the time must be after that of the line before, 0"),
-        ("slide.csv", "short.csv", "short.csv:2: this line has 1 cells, the header 2"),
+        ("slide.csv", "short.csv", "short.csv:2: this line has 1 cell, the header 2"),
         ("slide.csv", "words.csv", "fit.toml:13: `base_x_m` of the data `words` is not a number"),
         ("slide.csv", "when.csv", "when.csv:2: the time must be a number, not \"now\""),
-        ("block.toml", "swept.toml", "fit.toml:1: the scenario is swept: a fit needs a single run"),
+        ("block.toml", "swept.toml", "fit.toml:1: the scenario has a sweep or a search: a fit needs a single run"),
+        ("block.toml", "searched.toml", "fit.toml:1: the scenario has a sweep or a search: a fit needs a single run"),
     ] {
         let text = GOOD.replacen(from, to, 1);
         assert_ne!(text, GOOD, "{from}");
@@ -198,5 +202,5 @@ fn errors_of_fit_files_name_line_key_and_values() {
 fn fewer_values_than_parameters_are_refused() {
     let bench = bench();
     bench.write("slide.csv", "time_s,base_x_m\n0.1,1\n");
-    assert_eq!(errors(&bench, GOOD), ["fit.toml:3: 1 values cannot determine 1 parameters"]);
+    assert_eq!(errors(&bench, GOOD), ["fit.toml:3: 1 value cannot determine 1 parameter"]);
 }

@@ -183,7 +183,7 @@ fn advance(cells: &mut Cells, plan: &Plan, place: (usize, usize)) -> Vec<usize> 
                 }
             }
         }
-        if cell.state != State::Open {
+        if cell.state != State::Open && search.follows() {
             // Cells that follow have greater numbers.
             let later = cells.range((source, number + 1)..(source + 1, 0)).map(|(place, _)| *place);
             due.extend(later.filter(|(_, other)| search.followed(*other).iter().any(|f| f.before == number)));

@@ -2,6 +2,7 @@
 
 use crate::batch::{Job, Plan};
 use crate::results::ParamValue;
+use crate::text::csv_line::csv_line;
 use crate::text::text_table::limited;
 use crate::text::visible::visible;
 use clap::{Args, ValueEnum};
@@ -100,21 +101,13 @@ fn csv(plan: &Plan) -> String {
         }
     }
     let header = ["scenario", "key", "seed"].into_iter().chain(names.iter().copied()).map(String::from);
-    let mut out = line(header);
+    let mut out = csv_line(header);
     for (job, parameters) in listed(plan).zip(&rows) {
         let key = if plan.search_of(job.index).is_some() { String::new() } else { job.key.clone() };
         let own = [job.run.name.clone(), key, job.run.scenario.seed.to_string()];
         let value =
             |name: &&str| parameters.iter().find(|(n, _)| n == name).map_or(String::new(), |(_, v)| v.to_string());
-        out += &line(own.into_iter().chain(names.iter().map(value)));
+        out += &csv_line(own.into_iter().chain(names.iter().map(value)));
     }
     out
-}
-
-fn line(cells: impl Iterator<Item = String>) -> String {
-    let quoted = |cell: String| match cell.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", cell.replace('"', "\"\"")),
-        false => cell,
-    };
-    cells.map(quoted).collect::<Vec<_>>().join(",") + "\n"
 }

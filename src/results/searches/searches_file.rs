@@ -4,6 +4,7 @@
 use crate::files::{RecordError, atomic, if_present, input, json, names};
 use crate::results::PROGRAM;
 use crate::results::searches::search_result::SearchResult;
+use crate::text::csv_line::csv_line;
 use serde::de::Error;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -90,7 +91,7 @@ fn csv(searches: &[SearchResult]) -> String {
     let searched: BTreeSet<&str> = optima().flat_map(|search| &search.keys).map(String::as_str).collect();
     let own = ["search", "subject", "over", "verdict", "lower", "upper", "holds_above", "best"];
     let names = ["scenario"].into_iter().chain(keys.iter().copied()).chain(own).chain(searched.iter().copied());
-    let mut out = line(names.chain(["runs", "message"]).map(str::to_owned));
+    let mut out = csv_line(names.chain(["runs", "message"]).map(str::to_owned));
     for search in searches {
         let interval = search.interval.as_ref();
         let best = |key: &&str| {
@@ -109,7 +110,7 @@ fn csv(searches: &[SearchResult]) -> String {
         ];
         let cells = [search.scenario.clone()].into_iter().chain(swept_values(search, &keys)).chain(own);
         let cells = cells.chain(searched.iter().map(|key| number(best(key))));
-        out += &line(cells.chain([search.runs.to_string(), search.message.clone()]));
+        out += &csv_line(cells.chain([search.runs.to_string(), search.message.clone()]));
     }
     out
 }
@@ -119,7 +120,7 @@ fn csv_of_lines(searches: &[SearchResult]) -> String {
     let keys = swept(searches);
     let own = ["subject", "line", "x", "y", "x_lower", "x_upper", "y_lower", "y_upper", "holds_above"];
     let names = ["scenario"].into_iter().chain(keys.iter().copied()).chain(own);
-    let mut out = line(names.map(str::to_owned));
+    let mut out = csv_line(names.map(str::to_owned));
     for search in searches {
         let [x, y] = [0, 1].map(|i| search.keys.get(i).cloned().unwrap_or_default());
         for (number, points) in search.lines.iter().enumerate() {
@@ -127,17 +128,9 @@ fn csv_of_lines(searches: &[SearchResult]) -> String {
                 let own = [search.subject.clone(), number.to_string(), x.clone(), y.clone()];
                 let ends = [0, 1].into_iter().flat_map(|i| [point.lower[i], point.upper[i]]).map(|x| x.to_string());
                 let cells = [search.scenario.clone()].into_iter().chain(swept_values(search, &keys)).chain(own);
-                out += &line(cells.chain(ends).chain([point.holds_above.to_string()]));
+                out += &csv_line(cells.chain(ends).chain([point.holds_above.to_string()]));
             }
         }
     }
     out
-}
-
-fn line(cells: impl Iterator<Item = String>) -> String {
-    let quoted = |cell: String| match cell.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", cell.replace('"', "\"\"")),
-        false => cell,
-    };
-    cells.map(quoted).collect::<Vec<_>>().join(",") + "\n"
 }

@@ -126,7 +126,8 @@ impl PlannedSearch {
         }
     }
 
-    fn follows(&self) -> bool {
+    /// True if cells depend on others.
+    pub fn follows(&self) -> bool {
         self.dimensions.iter().any(|(_, length, follows)| *follows && *length > 1)
     }
 
