@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 import warnings
 from collections.abc import Callable, Mapping
@@ -86,10 +87,12 @@ def _tqdm() -> Callable[..., Any] | None:
         with warnings.catch_warnings():
             # A notebook without widgets gets the bar in text.
             warnings.simplefilter("ignore")
-            from tqdm.auto import tqdm
+            # By its name, since its types may or may not be installed.
+            module = importlib.import_module("tqdm.auto")
     except ImportError:
         return None
-    return tqdm
+    make: Callable[..., Any] = module.tqdm
+    return make
 
 
 def in_notebook() -> bool:
