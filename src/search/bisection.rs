@@ -208,6 +208,9 @@ mod tests {
         let (low, high) = found.bracket().unwrap();
         assert_eq!(high - low, 1);
         assert_eq!(search(100, 9, None, |at| at > 30).changes(), [(30, 31)]);
+        // Of several changes the one that is known to a step counts, not the lowest.
+        let found = search(100, 9, None, |at| (25..35).contains(&at) || at > 60);
+        assert_eq!((found.bracket(), found.changes().len()), (Some((60, 61)), 3), "{:?}", found.changes());
         // A change and its reverse between two equal ends.
         assert_eq!(search(100, 3, None, |at| (40..60).contains(&at)).changes().len(), 2);
     }

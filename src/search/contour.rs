@@ -301,8 +301,15 @@ mod tests {
     #[test]
     fn opposite_corners_are_not_connected() {
         let quarters = |x: f64, y: f64| (x > 0.51) == (y > 0.52);
-        let lines = trace(32, [4, 4], quarters).lines();
+        let contour = trace(32, [4, 4], quarters);
+        let lines = contour.lines();
         assert_eq!(lines.len(), 2);
+        // Each goes around one quarter in which the condition holds, not around one in which it does not.
+        for line in lines {
+            let ends = [line.first(), line.last()].map(|end| middle(&contour, end.unwrap()));
+            let at_low_side = ends.map(|[x, y]| x == 0.0 || y == 0.0);
+            assert!(at_low_side == [true; 2] || at_low_side == [false; 2], "{ends:?}");
+        }
     }
 
     #[test]

@@ -389,6 +389,69 @@ mod tests {
     }
 
     #[test]
+    fn the_best_differs_from_its_neighbours_along_two_keys() {
+        // A valley along the diagonal, so steep that a step along one key alone is worse.
+        let valley = |x: &[f64]| 1e3 * (x[0] - x[1]).abs() + x[0] + x[1];
+        for seed in 0..20 {
+            let found = search(&[40; 2], 4000, seed, valley);
+            assert!(found.is_minimum());
+            assert_eq!(found.best().unwrap().0, &vec![0, 0], "{seed}");
+        }
+    }
+
+    #[test]
+    fn values_that_are_no_numbers_are_the_worst() {
+        for (seed, nan) in [f64::NAN, -f64::NAN].into_iter().flat_map(|nan| (0..3).map(move |seed| (seed, nan))) {
+            let found = search(&[1000; 2], 2000, seed, |x| match x[0] < 0.5 {
+                true => nan,
+                false => (x[0] - 0.8).powi(2) + (x[1] - 0.3).powi(2),
+            });
+            assert!(found.is_minimum());
+            assert_eq!(found.best().unwrap().0, &vec![800, 300], "{seed} {nan}");
+        }
+    }
+
+    #[test]
+    fn the_distribution_adapts_as_in_the_source() {
+        // Values of tests/oracles/make_evolution.py. The second generation has h_sigma = 0.
+        let generations = [
+            (
+                [[1.0, 0.5], [-0.25, 1.0]],
+                [
+                    0.726561072474774,
+                    0.429375571010091,
+                    0.278877573699847,
+                    0.946524986577749,
+                    0.108424416997398,
+                    0.883975794427374,
+                ],
+            ),
+            (
+                [[3.0, 2.5], [2.0, 3.5]],
+                [
+                    1.50857920711204,
+                    1.18118409172198,
+                    0.564098631862241,
+                    1.26157866511035,
+                    0.448318612171848,
+                    1.17043392168284,
+                ],
+            ),
+        ];
+        let mut strategy = Strategy::new(DVector::from_vec(vec![0.5, 0.25]), 4);
+        for (steps, expected) in generations {
+            let steps = steps.map(|step| DVector::from_row_slice(&step));
+            strategy.adapt(&steps.iter().collect::<Vec<_>>());
+            let Strategy { mean, sigma, covariance: c, .. } = &strategy;
+            let found = [mean[0], mean[1], *sigma, c[(0, 0)], c[(0, 1)], c[(1, 1)]];
+            for (found, expected) in found.iter().zip(expected) {
+                // The frozen values have 15 digits.
+                assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+            }
+        }
+    }
+
+    #[test]
     fn without_enough_probes_or_values_there_is_no_minimum() {
         let few = search(&[1000; 3], 20, 0, |x| x.iter().sum());
         assert!(!few.is_minimum() && few.probes() <= 20 && few.best().is_some());

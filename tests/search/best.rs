@@ -126,6 +126,26 @@ fn runs_that_do_not_meet_the_requirement_are_not_chosen() {
     assert_eq!(searches(&few, "results")[0]["verdict"], "unconverged");
 }
 
+/// Runs that end too early have not moved far, but say nothing of the whole throw.
+#[test]
+fn runs_that_do_not_end_are_not_chosen() {
+    let search = "[search]\nminimize = \"final_base_shift_m\"\nruns = 60\n[search.over]\n";
+    let script = "[[force]]\ntype = \"script\"\nfile = \"limit.luau\"\n";
+    let place = thrown(&format!("{script}{search}{}", over("0", [0.5, 1.0], 0.01)));
+    place.write(
+        "limit.luau",
+        "function run(robot) if robot.base.linear_velocity[1] > 0.75 then error(\"too fast\") end return {} end\n",
+    );
+    run(&place, "results", &[]).exits(3);
+    let found = &searches(&place, "results")[0];
+    let at = found["best"]["at"][0].as_f64().unwrap();
+    // The slowest one; the force adds 0.2 m/s.
+    assert_eq!(at, 0.5, "{found}");
+    let probes = found["probes"].as_array().unwrap();
+    assert!(probes.iter().all(|p| p["value"].is_null() == (p["outcome"] != "passed")), "{found}");
+    assert!(probes.iter().any(|p| p["value"].is_null()), "{found}");
+}
+
 /// The study's velocity follows from both braking and sliding back with constant accelerations.
 #[test]
 fn a_box_returns_to_its_start() {

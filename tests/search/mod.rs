@@ -68,6 +68,7 @@ fn a_block_slips_at_mu_m_g() {
     assert_eq!(found.len(), truths.len());
     for (boundary, truth) in found.iter().zip(truths) {
         let [lower, upper] = interval(boundary);
+        assert_eq!(boundary["interval"]["holds_above"], true);
         assert!(upper - lower <= 1e-10 * (1.0 + 1e-3), "{boundary}");
         assert!((lower - truth).abs() <= 1e-9 * truth && (upper - truth).abs() <= 1e-9 * truth, "{boundary}");
     }

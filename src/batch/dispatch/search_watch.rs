@@ -349,3 +349,17 @@ impl Found {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_runs_that_say_nothing_the_first_counts_whichever_ends_first() {
+        for order in [[1, 2, 3], [3, 1, 2], [2, 3, 1]] {
+            let mut cell = Cell { first: 0, method: None, runs: Vec::new(), state: State::Open };
+            order.into_iter().for_each(|slot| cell.fail(slot, format!("run {slot}")));
+            assert_eq!(cell.state, State::Failed(1, "run 1".into()));
+        }
+    }
+}
