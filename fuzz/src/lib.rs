@@ -8,6 +8,7 @@
 
 pub mod console;
 pub mod filter;
+pub mod fit;
 pub mod http;
 pub mod live;
 pub mod log;

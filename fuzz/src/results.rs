@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use stiction::files::names;
-use stiction::report::{Pictured, ShownBatch, found_runs, write_report_of};
+use stiction::report::{Pictured, ShownBatch, ShownHistory, found_runs, write_report_of};
 use stiction::results::claims::{claim_table, read_claims};
 use stiction::results::compare::{Limits, Results, compare};
+use stiction::results::history::{Baseline, KEPT_RESULTS, TrendRule, append};
 use stiction::results::merge::Shards;
 use stiction::results::pareto::{Work, pareto_table};
 use stiction::results::searches::{read_searches, search_table};
@@ -18,8 +19,9 @@ use stiction::view::ViewableRuns;
 
 use super::{samples, scratch};
 
-/// Kinds: a record, `shard.jsonl`, `claims.json`, `searches.json`, `runs.jsonl`, `summary.csv`, `summary.parquet`.
-pub const KINDS: [u8; 7] = *b"rlasjcp";
+/// Kinds: a record, `shard.jsonl`, `claims.json`, `searches.json`, `runs.jsonl`, `summary.csv`, `summary.parquet`,
+/// `history.parquet`.
+pub const KINDS: [u8; 8] = *b"rlasjcph";
 
 /// Width of a terminal.
 const WIDTH: usize = 100;
@@ -35,6 +37,7 @@ pub fn take(data: &[u8]) {
         b'p' => summary(bytes, names::SUMMARY_PARQUET),
         b'a' => claims(bytes),
         b's' => searches(bytes),
+        b'h' => history(bytes),
         _ => {}
     }
 }
@@ -101,6 +104,36 @@ fn searches(bytes: &[u8]) {
     let batch = ShownBatch { searches: &searches, ..ShownBatch::default() };
     write_report_of(&page, &folder, (&[], &RunStatistics::default()), &[], (&Pictured::Few, batch)).expect("a report");
     assert_inert(&samples::text(&page));
+}
+
+/// A history: compared with results, appended to, shown as by `runner report --history`.
+fn history(bytes: &[u8]) {
+    let folder = scratch::empty_folder("history");
+    let path = folder.join(names::HISTORY);
+    scratch::write(&path, bytes);
+    let mut baseline = match Baseline::open(&path) {
+        Ok(baseline) => baseline,
+        Err(error) => return drop(error.to_string()),
+    };
+    let mut results = Results::open(&samples::results()).expect("results");
+    if let Ok(compared) = baseline.compare(&mut results, &Limits::default(), TrendRule { last: 20, level: 0.01 }) {
+        drop(compared.changes.to_string());
+    }
+    if let Baseline::History(history) = &baseline {
+        let page = folder.join(names::REPORT);
+        let shown = ShownHistory { history, changes: &[] };
+        let batch = ShownBatch { history: Some(shown), ..ShownBatch::default() };
+        let none = RunStatistics::default();
+        write_report_of(&page, &folder, (&[], &none), &[], (&Pictured::Few, batch)).expect("a report");
+        assert_inert(&samples::text(&page));
+    }
+    match append(&path, &mut results, Some("again"), KEPT_RESULTS.get()) {
+        Ok(_) => drop(Baseline::open_history(&path).expect("what was written")),
+        Err(error) => {
+            drop(error.to_string());
+            assert_eq!(std::fs::read(&path).expect("a file"), bytes, "a history that was not appended to is unchanged");
+        }
+    }
 }
 
 /// Asserts that no text of a record became an element that loads or executes anything.
@@ -187,5 +220,6 @@ pub fn seeds() -> Vec<(u8, Vec<u8>)> {
         (b'j', samples::runs_log().into()),
         (b'c', std::fs::read(file(names::SUMMARY_CSV)).expect("a summary")),
         (b'p', std::fs::read(file(names::SUMMARY_PARQUET)).expect("a summary")),
+        (b'h', samples::history()),
     ]
 }

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use stiction::files::names;
 use stiction::results::claims::{ClaimHead, GroupHead, RunClaim};
+use stiction::results::compare::Results;
+use stiction::results::history::{KEPT_RESULTS, append};
 use stiction::scenario::{ClaimSpec, Expect, ExpectedOutcome};
 use stiction::{Options, run_batch};
 
@@ -50,6 +52,17 @@ fn batch() -> PathBuf {
 /// Folder of the results.
 pub fn results() -> PathBuf {
     RESULTS.with(PathBuf::clone)
+}
+
+/// A history with other results of the same runs.
+pub fn history() -> Vec<u8> {
+    let folder = scratch::empty_folder("sample-history");
+    let (path, summary) = (folder.join(names::HISTORY), folder.join(names::SUMMARY_CSV));
+    let rows = text(&results().join(names::SUMMARY_CSV)).replace(",passed,", ",fallen,");
+    scratch::write(&summary, rows.as_bytes());
+    let mut results = Results::open(&summary).expect("results");
+    append(&path, &mut results, Some("first"), KEPT_RESULTS.get()).expect("a new history");
+    std::fs::read(path).expect("a history")
 }
 
 /// Folder of a run.

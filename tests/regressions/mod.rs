@@ -21,6 +21,7 @@ const TARGETS: &[(&str, Take)] = &[
     ("mjcf", targets::mjcf::take),
     ("sdf", targets::sdf::take),
     ("world", targets::world::take),
+    ("fit", targets::fit::take),
     ("motion", targets::motion::take),
     ("script", targets::script::take),
     ("mesh", targets::mesh::take),

@@ -90,6 +90,18 @@ fn nearly_valid_motions_do_not_panic() {
 }
 
 #[test]
+fn nearly_valid_fits_do_not_panic() {
+    for (kind, name, copies) in [("f", "cart.toml", 80), ("f", "hoap2-load.toml", 80), ("t", "data/cart.csv", 120)] {
+        let name = format!("scenarios/fits/{name}");
+        let text = std::fs::read(tree::root().join(&name)).unwrap();
+        assert!(targets::fit::is_valid(&[kind.as_bytes(), &text[..]].concat()), "{name}");
+        check_file(targets::fit::take, kind.as_bytes(), &name, copies);
+    }
+    let log = std::fs::read(targets::samples::log()).unwrap();
+    check_bytes(targets::fit::take, b"l", &log, 60);
+}
+
+#[test]
 fn nearly_valid_scripts_do_not_panic() {
     check(targets::script::take, &["scenarios"], "luau", "tTHfF");
 }
