@@ -401,13 +401,10 @@ mod tests {
 
     #[test]
     fn values_that_are_no_numbers_are_the_worst() {
-        for (seed, nan) in [f64::NAN, -f64::NAN].into_iter().flat_map(|nan| (0..3).map(move |seed| (seed, nan))) {
-            let found = search(&[1000; 2], 2000, seed, |x| match x[0] < 0.5 {
-                true => nan,
-                false => (x[0] - 0.8).powi(2) + (x[1] - 0.3).powi(2),
-            });
-            assert!(found.is_minimum());
-            assert_eq!(found.best().unwrap().0, &vec![800, 300], "{seed} {nan}");
+        let mut evolution = Evolution::new(vec![10], &[5], (10, 4), 0);
+        for (at, nan) in [(1, f64::NAN), (2, -f64::NAN)] {
+            evolution.add(&[at], nan);
+            assert_eq!(evolution.values[&vec![at]], f64::INFINITY);
         }
     }
 

@@ -194,7 +194,7 @@ fn replayed_hellos_do_not_disturb_a_run() {
     stop.store(true, Ordering::Relaxed);
     let sent = flood.join().unwrap();
     assert!(sent > 100 && there.stdout.contains("dropped (other session)"), "{sent}: {}", there.stdout);
-    // On a busy machine the client repeats its packets, and the second answers are late.
+    // On a busy machine the server repeats a sensing after 4 ms; the client drops the second one.
     let dropped: Vec<&str> = done.stdout.split(", ").filter(|part| part.contains("dropped")).collect();
     assert!(dropped.iter().all(|part| part.contains("dropped (late or replayed)")), "{}", done.stdout);
     assert_eq!(motion(&place, "l", "s").rows, motion(&place, "r", "s").rows);

@@ -1,6 +1,6 @@
 //! Best values against closed forms.
 
-use super::{numbers, run, searches, text};
+use super::{assert_same_however_run, numbers, run, searches};
 use crate::cli::Place;
 
 /// Time of flight, s.
@@ -75,20 +75,7 @@ fn the_results_do_not_depend_on_threads_or_interruptions() {
     let sweep = "[sweep.grid]\n\"force.0.force.0\" = [0.0, 2.0, 4.0]\n";
     let place =
         thrown(&format!("[search]\nminimize = \"final_base_shift_m\"\nruns = 200\n[search.over]\n{keys}{sweep}"));
-    run(&place, "one", &["-j", "1"]).exits(0);
-    run(&place, "two", &["-j", "2"]).exits(0);
-    assert_eq!(text(&place, "one"), text(&place, "two"));
-    for part in ["1/2", "2/2"] {
-        run(&place, &format!("part-{}", &part[..1]), &["--shard", part]).exits(0);
-    }
-    place.runner(&["merge", "part-1", "part-2", "-o", "merged"]).exits(0);
-    assert_eq!(text(&place, "one"), text(&place, "merged"));
-    let folders = std::fs::read_dir(place.path("two/s")).unwrap().map(|entry| entry.unwrap().path());
-    for folder in folders.step_by(4) {
-        std::fs::remove_dir_all(folder).unwrap();
-    }
-    run(&place, "two", &["--resume"]).exits(0);
-    assert_eq!(text(&place, "one"), text(&place, "two"));
+    assert_same_however_run(&place, 4);
     // v = -a T / 2 for each force.
     for (search, force) in searches(&place, "one").iter().zip([0.0, 2.0, 4.0]) {
         let best = numbers(&search["best"]["at"]);

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::{numbers, run, searches, text};
+use super::{assert_same_however_run, numbers, run, searches};
 use crate::cli::Place;
 
 /// The block with a constant force at the floor, which slips it exactly if its size exceeds mu m g.
@@ -53,15 +53,7 @@ fn the_breakaway_force_is_a_circle() {
 #[test]
 fn the_results_do_not_depend_on_threads_or_interruptions() {
     let place = pushed(&CIRCLE.replace("1e-3", "0.1"));
-    run(&place, "one", &["-j", "1"]).exits(0);
-    run(&place, "two", &["-j", "2"]).exits(0);
-    assert_eq!(text(&place, "one"), text(&place, "two"));
-    let folders = std::fs::read_dir(place.path("two/s")).unwrap().map(|entry| entry.unwrap().path());
-    for folder in folders.step_by(4) {
-        std::fs::remove_dir_all(folder).unwrap();
-    }
-    run(&place, "two", &["--resume"]).exits(0);
-    assert_eq!(text(&place, "one"), text(&place, "two"));
+    assert_same_however_run(&place, 4);
 }
 
 #[test]

@@ -57,6 +57,26 @@ fn numbers(list: &Value) -> Vec<f64> {
     list.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
 }
 
+/// Asserts that one thread, two, two shards, and results of which every n-th run was lost give the same searches,
+/// in the folders `one` and `two`. Returns what the resumed batch printed.
+fn assert_same_however_run(place: &Place, nth: usize) -> Done {
+    run(place, "one", &["-j", "1"]).exits(0);
+    run(place, "two", &["-j", "2"]).exits(0);
+    assert_eq!(text(place, "one"), text(place, "two"));
+    for part in ["1/2", "2/2"] {
+        run(place, &format!("part-{}", &part[..1]), &["--shard", part]).exits(0);
+    }
+    place.runner(&["merge", "part-1", "part-2", "-o", "merged"]).exits(0);
+    assert_eq!(text(place, "one"), text(place, "merged"));
+    let folders = fs::read_dir(place.path("two/s")).unwrap().map(|entry| entry.unwrap().path());
+    for folder in folders.step_by(nth) {
+        fs::remove_dir_all(folder).unwrap();
+    }
+    let done = run(place, "two", &["--resume"]).exits(0);
+    assert_eq!(text(place, "one"), text(place, "two"));
+    done
+}
+
 #[test]
 fn a_block_slips_at_mu_m_g() {
     let place = Place::new();
@@ -78,22 +98,8 @@ fn a_block_slips_at_mu_m_g() {
 fn the_results_depend_on_neither_threads_nor_shards_nor_interruptions() {
     for follow in ["", "follow = [\"floor.friction\"]\n"] {
         let place = place(&[SEARCH, FAR, follow, CELLS]);
-        run(&place, "one", &["-j", "1"]).exits(0);
-        run(&place, "two", &["-j", "2"]).exits(0);
-        assert_eq!(text(&place, "one"), text(&place, "two"));
-        for part in ["1/2", "2/2"] {
-            run(&place, &format!("part-{}", &part[..1]), &["--shard", part]).exits(0);
-        }
-        place.runner(&["merge", "part-1", "part-2", "-o", "merged"]).exits(0);
-        assert_eq!(text(&place, "one"), text(&place, "merged"));
-        // The runs of the middle are lost.
-        let rows = fs::read_dir(place.path("two/s")).unwrap().map(|entry| entry.unwrap().path());
-        for folder in rows.step_by(3) {
-            fs::remove_dir_all(folder).unwrap();
-        }
-        let done = run(&place, "two", &["--resume"]).exits(0);
+        let done = assert_same_however_run(&place, 3);
         assert!(done.stderr.contains("runs done already"), "{}", done.stderr);
-        assert_eq!(text(&place, "one"), text(&place, "two"));
         let again = run(&place, "two", &["--resume"]).exits(0);
         assert!(!again.stderr.contains("for the first time"), "{}", again.stderr);
         // v = x / t + mu g t / 2
