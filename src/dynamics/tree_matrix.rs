@@ -79,6 +79,12 @@ impl Pattern {
         &self.by_depth
     }
 
+    /// Whether velocity `i` is `j` or one of its descendants.
+    #[inline(always)]
+    pub fn is_below(&self, i: usize, j: usize) -> bool {
+        self.chain(i).get(self.chain(j).len() - 1) == Some(&j)
+    }
+
     /// Ancestors of velocity `i`, root first, `i` itself last.
     #[inline(always)]
     pub fn chain(&self, i: usize) -> &[usize] {
@@ -181,12 +187,21 @@ impl TreeMatrix {
         }
     }
 
+    /// `(A x)_k` with A symmetric, `x` of length nv.
+    pub fn row_times(&self, k: usize, x: &[f64]) -> f64 {
+        let (chain, row) = (self.pattern.chain(k), self.row(k));
+        let depth = row.len() - 1;
+        let above = chain[..depth].iter().zip(row).fold(row[depth] * x[k], |sum, (&j, a)| sum + a * x[j]);
+        let below = self.pattern.descendants(k).iter().rev();
+        below.fold(above, |sum, &(d, start)| sum + self.values[start + depth] * x[d])
+    }
+
     /// Adds `x` to entry (i, j), one of which is on the path from the root to the other.
     #[inline]
     pub fn add_entry(&mut self, i: usize, j: usize, x: f64) {
         let (i, j) = (i.max(j), i.min(j));
         let depth = self.pattern.chain(j).len() - 1;
-        debug_assert_eq!(self.pattern.chain(i).get(depth), Some(&j));
+        debug_assert!(self.pattern.is_below(i, j));
         self.row_mut(i).1[depth] += x;
     }
 
@@ -213,10 +228,8 @@ impl TreeMatrix {
             out[j] += factor * a;
         }
         let depth = self.pattern.chain(k).len() - 1;
-        for (i, out) in out.iter_mut().enumerate().take(self.len()).skip(k + 1) {
-            if self.pattern.chain(i).get(depth) == Some(&k) {
-                *out += factor * self.row(i)[depth];
-            }
+        for &(d, start) in self.pattern.descendants(k) {
+            out[d] += factor * self.values[start + depth];
         }
     }
 
@@ -226,11 +239,8 @@ impl TreeMatrix {
         let (_, row) = self.row_mut(k);
         row.fill(0.0);
         row[depth] = 1.0;
-        for i in k + 1..self.len() {
-            let (chain, row) = self.row_mut(i);
-            if chain.get(depth) == Some(&k) {
-                row[depth] = 0.0;
-            }
+        for &(_, start) in self.pattern.descendants(k) {
+            self.values[start + depth] = 0.0;
         }
     }
 

@@ -95,6 +95,24 @@ fn the_product_of_the_factor_is_the_mass_matrix() {
 }
 
 #[test]
+fn products_with_the_mass_matrix_are_those_of_the_dense_one() {
+    for (model, state, mut r) in samples() {
+        let (nv, ws) = (model.nv(), prepared(&model, &state));
+        let (mass, x) = (dense(&ws.mass), r.list(model.nv(), 3.0));
+        let truth = &mass * DVector::from_column_slice(&x);
+        let mut whole = vec![0.0; nv];
+        ws.mass.multiply(&x, &mut whole);
+        let rows: Vec<f64> = (0..nv).map(|k| ws.mass.row_times(k, &x)).collect();
+        let mut columns = vec![0.0; nv];
+        (0..nv).for_each(|k| ws.mass.add_column(k, x[k], &mut columns));
+        // Rounding of sums.
+        for product in [&whole, &rows, &columns] {
+            assert_near("M x", product, truth.as_slice(), 1e-14);
+        }
+    }
+}
+
+#[test]
 fn mass_matrix_is_symmetric_positive_definite_and_sparse_between_branches() {
     for (model, state, _) in samples() {
         let ws = prepared(&model, &state);

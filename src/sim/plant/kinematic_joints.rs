@@ -112,11 +112,11 @@ impl Plant {
     pub(super) fn drive_reactions(&mut self) {
         let nb = self.model.nb();
         self.update_multipliers();
-        self.ws.mass.multiply(&self.acceleration, &mut self.scratch);
         for &j in self.kinematic_paths.joints() {
             let k = nb + j;
             let reactions = self.contact_load(&self.solution.wrench, k) + self.condition_load(k);
-            self.drives.efforts[j] = self.scratch[k] + self.ws.bias[k] - reactions - self.passive[j] - self.external[k];
+            let inertial = self.ws.mass.row_times(k, &self.acceleration);
+            self.drives.efforts[j] = inertial + self.ws.bias[k] - reactions - self.passive[j] - self.external[k];
             self.drives.servo[j] = self.drives.efforts[j];
         }
     }
