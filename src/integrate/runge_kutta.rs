@@ -50,6 +50,8 @@ pub struct RungeKutta {
     /// Solution at the end of the last attempt.
     pub end: Vec<f64>,
     start: Vec<f64>,
+    /// Error estimate of the last attempt, over h.
+    estimate: Vec<f64>,
     h: f64,
 }
 
@@ -62,6 +64,7 @@ impl RungeKutta {
             stage: vec![0.0; n],
             end: vec![0.0; n],
             start: vec![0.0; n],
+            estimate: vec![0.0; n],
             h: 0.0,
         }
     }
@@ -86,23 +89,17 @@ impl RungeKutta {
         for s in 1..=last {
             let (done, rest) = self.k.split_at_mut(s);
             let target = if s == last { &mut self.end } else { &mut self.stage };
-            for (i, (x, y)) in target.iter_mut().zip(&self.start).enumerate() {
-                let mut sum = 0.0;
-                for (a, k) in self.tableau.a[s].iter().zip(done.iter()) {
-                    sum += a * k[i];
-                }
-                *x = y + h * sum;
-            }
+            weighted_sum(self.tableau.a[s], done, target);
+            target.iter_mut().zip(&self.start).for_each(|(x, y)| *x = y + h * *x);
             system.derivative(t + self.tableau.c[s] * h, target, &mut rest[0]);
         }
+        weighted_sum(self.tableau.error, &self.k, &mut self.estimate);
     }
 
     /// Norm ([`error_norm`]) of the error estimate of the last attempt over groups of components,
     /// with relative and absolute tolerance; zero for a method without an estimate.
     pub fn error(&self, tolerances: (f64, f64), groups: impl Iterator<Item = Range<usize>>) -> f64 {
-        error_norm(groups, tolerances, [&self.start, &self.end], |i| {
-            self.h * self.tableau.error.iter().zip(&self.k).map(|(e, k)| e * k[i]).sum::<f64>()
-        })
+        error_norm(groups, tolerances, [&self.start, &self.end], |i| self.h * self.estimate[i])
     }
 
     /// Estimate of the greatest modulus of an eigenvalue along the last attempt, 1/s, from the first `n` components of
@@ -136,6 +133,24 @@ impl RungeKutta {
             };
             *y = self.start[i] + theta * (difference + rest * (bulge + theta * (skew + rest * quartic)));
         }
+    }
+}
+
+/// `out = sum_j weights_j k_j`, summed from the first on. A run of components stays in registers.
+fn weighted_sum(weights: &[f64], k: &[Vec<f64>], out: &mut [f64]) {
+    const RUN: usize = 8;
+    let (runs, rest) = out.as_chunks_mut::<RUN>();
+    let first_of_rest = RUN * runs.len();
+    for (r, run) in runs.iter_mut().enumerate() {
+        let mut sum = [0.0; RUN];
+        for (weight, k) in weights.iter().zip(k) {
+            let k = &k[RUN * r..][..RUN];
+            sum.iter_mut().zip(k).for_each(|(sum, k)| *sum += weight * k);
+        }
+        *run = sum;
+    }
+    for (i, x) in rest.iter_mut().enumerate().map(|(i, x)| (first_of_rest + i, x)) {
+        *x = weights.iter().zip(k).fold(0.0, |sum, (weight, k)| sum + weight * k[i]);
     }
 }
 

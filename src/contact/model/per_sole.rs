@@ -36,6 +36,7 @@ impl<T> PerSole<T> {
         *self = PerSole::filled(value);
     }
 
+    #[inline]
     fn values(&self) -> &[T] {
         match &self.set {
             Values::Inline(values) => values,
@@ -61,32 +62,36 @@ impl<T: Copy + PartialEq> PerSole<T> {
 impl<T> Index<usize> for PerSole<T> {
     type Output = T;
 
+    #[inline]
     fn index(&self, sole: usize) -> &T {
         self.values().get(sole).unwrap_or(&self.others)
     }
 }
 
 impl<T: Copy> IndexMut<usize> for PerSole<T> {
+    #[inline]
     fn index_mut(&mut self, sole: usize) -> &mut T {
+        if self.values().len() <= sole {
+            self.extend_to(sole);
+        }
+        match &mut self.set {
+            Values::Inline(values) => &mut values[sole],
+            Values::Shared(values) => &mut Arc::make_mut(values)[sole],
+        }
+    }
+}
+
+impl<T: Copy> PerSole<T> {
+    /// Stores the values up to that of polygon `sole`.
+    fn extend_to(&mut self, sole: usize) {
         if let Values::Inline(values) = &self.set
             && sole >= INLINE
         {
             self.set = Values::Shared(Arc::new(values.to_vec()));
         }
         match &mut self.set {
-            Values::Inline(values) => {
-                while values.len() <= sole {
-                    values.push(self.others);
-                }
-                &mut values[sole]
-            }
-            Values::Shared(values) => {
-                let values = Arc::make_mut(values);
-                if values.len() <= sole {
-                    values.resize(sole + 1, self.others);
-                }
-                &mut values[sole]
-            }
+            Values::Inline(values) => values.resize(sole + 1, self.others),
+            Values::Shared(values) => Arc::make_mut(values).resize(sole + 1, self.others),
         }
     }
 }

@@ -31,6 +31,8 @@ struct Part {
 #[derive(Clone, Debug)]
 pub struct StateLayout {
     parts: Arc<[Part]>,
+    /// See [`StateLayout::error_groups`].
+    groups: Arc<[Range<usize>]>,
     controlled: usize,
 }
 
@@ -54,7 +56,8 @@ impl StateLayout {
             actuators,
         };
         let parts: Arc<[Part]> = models.iter().zip(entries).map(part).collect();
-        StateLayout { parts, controlled: at }
+        let groups = error_groups(&parts).collect();
+        StateLayout { parts, groups, controlled: at }
     }
 
     /// Length of the vector.
@@ -70,19 +73,7 @@ impl StateLayout {
     /// Groups of entries whose norms do not change when the world is turned about the vertical;
     /// together all entries under error control.
     pub fn error_groups(&self) -> impl Iterator<Item = Range<usize>> {
-        let single = |i: usize| i..i + 1;
-        let configurations = self.parts.iter().flat_map(move |part| {
-            let first = part.configuration.start;
-            let pose = [0..2, 2..3, 3..5, 5..7].into_iter().map(move |g: Range<usize>| first + g.start..first + g.end);
-            pose.chain((first + 7..part.configuration.end).map(single))
-        });
-        let velocities = self.parts.iter().flat_map(move |part| {
-            let first = part.velocities.start;
-            let base = base_groups(part.nb).map(move |g| first + g.start..first + g.end);
-            base.chain((first + part.nb..part.velocities.end).map(single))
-        });
-        let actuators = self.parts.iter().flat_map(move |part| part.actuators.clone().map(single));
-        configurations.chain(velocities).chain(actuators)
+        self.groups.iter().cloned()
     }
 
     /// The same groups of the base velocities of mechanism `m`, as degrees of freedom of it; none if
@@ -227,6 +218,23 @@ impl StateLayout {
         dy[7 + joint] = 0.0;
         dy[self.parts[0].velocities.start + self.parts[0].nb + joint] = 0.0;
     }
+}
+
+/// See [`StateLayout::error_groups`].
+fn error_groups(parts: &[Part]) -> impl Iterator<Item = Range<usize>> {
+    let single = |i: usize| i..i + 1;
+    let configurations = parts.iter().flat_map(move |part| {
+        let first = part.configuration.start;
+        let pose = [0..2, 2..3, 3..5, 5..7].into_iter().map(move |g: Range<usize>| first + g.start..first + g.end);
+        pose.chain((first + 7..part.configuration.end).map(single))
+    });
+    let velocities = parts.iter().flat_map(move |part| {
+        let first = part.velocities.start;
+        let base = base_groups(part.nb).map(move |g| first + g.start..first + g.end);
+        base.chain((first + part.nb..part.velocities.end).map(single))
+    });
+    let actuators = parts.iter().flat_map(move |part| part.actuators.clone().map(single));
+    configurations.chain(velocities).chain(actuators)
 }
 
 fn base_groups(nb: usize) -> impl Iterator<Item = Range<usize>> {
