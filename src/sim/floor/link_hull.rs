@@ -44,8 +44,12 @@ pub struct LinkHull {
     pub points: Vec<Vector3<f64>>,
     /// Faces.
     pub faces: Vec<Face>,
+    /// The box along the link's axes around the points: its centre and half its sizes, m.
     centre: Vector3<f64>,
+    half: Vector3<f64>,
+    /// Greatest distance of a point from that centre and from the link's origin, m.
     radius: f64,
+    reach: f64,
 }
 
 /// Distance of a sole's vertex from the surface of a ball, m, up to which the sole stands for the ball.
@@ -74,16 +78,23 @@ impl LinkHull {
         let mut points: Vec<Vector3<f64>> = shapes.flat_map(|shape| shape_points(shape, resolution)).collect();
         points.retain(|point| !is_point_near_soles(model, link, point));
         let (points, faces) = hull(points)?;
-        let centre = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
-        let radius = points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
-        Some(LinkHull { link, points, faces, centre, radius })
+        let (mut least, mut greatest) = (points[0], points[0]);
+        points.iter().for_each(|p| (least, greatest) = (least.inf(p), greatest.sup(p)));
+        let (centre, half) = ((greatest + least) / 2.0, (greatest - least) / 2.0);
+        let distance = |from: Vector3<f64>| points.iter().map(|p| (p - from).norm()).fold(0.0, f64::max);
+        let (radius, reach) = (distance(centre), distance(Vector3::zeros()));
+        Some(LinkHull { link, points, faces, centre, half, radius, reach })
     }
 
     /// Heights above the floor, m: a lower bound for all points, of no more than a few operations.
     /// Needs `kinematics::update`.
     pub fn bound(&self, ws: &Workspace, floor: &Floor) -> f64 {
-        let link = &ws.links[self.link.0];
-        floor.height(&(ws.position + link.origin + link.rotation * self.centre)) - self.radius
+        let origin = floor.height(&(ws.position + ws.links[self.link.0].origin));
+        if origin > self.reach {
+            return origin - self.reach;
+        }
+        let up = self.up(ws, floor);
+        origin + up.dot(&self.centre) - up.abs().dot(&self.half)
     }
 
     /// Calls `f` with each point and its height above the floor after a time `ahead`, s, at its present
