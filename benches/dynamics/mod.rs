@@ -109,7 +109,6 @@ fn constrained_forward_dynamics(bencher: Bencher, robot: &str) {
         let w = nalgebra::SMatrix::<f64, 12, 12>::from_column_slice(&problem.w);
         let a0 = nalgebra::SVector::<f64, 12>::from_column_slice(&problem.a0);
         let wrench = w.cholesky().expect("bent legs: W is regular").solve(&-a0);
-        s.out.copy_from_slice(&problem.free);
-        reduced::apply(&s.ws, &mut problem, wrench.as_slice(), &mut s.out);
+        reduced::advance(&s.ws, &mut problem, 1.0, wrench.as_slice(), &mut s.out);
     });
 }

@@ -74,25 +74,25 @@ fn orthogonalize(ws: &mut Workspace, prescribed: &[usize]) {
 /// Calls a function for the length of a row as a constant, or evaluates `$long` for longer rows. Rows
 /// are short: loops over variable lengths would cost more than their numbers.
 macro_rules! by_length {
-    ($length:expr, $function:ident($($argument:expr),*), $long:expr) => {
+    ($length:expr, $function:ident $(<$more:tt>)? ($($argument:expr),*), $long:expr) => {
         match $length {
-            0 => $function::<0>($($argument),*),
-            1 => $function::<1>($($argument),*),
-            2 => $function::<2>($($argument),*),
-            3 => $function::<3>($($argument),*),
-            4 => $function::<4>($($argument),*),
-            5 => $function::<5>($($argument),*),
-            6 => $function::<6>($($argument),*),
-            7 => $function::<7>($($argument),*),
-            8 => $function::<8>($($argument),*),
-            9 => $function::<9>($($argument),*),
-            10 => $function::<10>($($argument),*),
-            11 => $function::<11>($($argument),*),
-            12 => $function::<12>($($argument),*),
-            13 => $function::<13>($($argument),*),
-            14 => $function::<14>($($argument),*),
-            15 => $function::<15>($($argument),*),
-            16 => $function::<16>($($argument),*),
+            0 => $function::<0 $(, $more)?>($($argument),*),
+            1 => $function::<1 $(, $more)?>($($argument),*),
+            2 => $function::<2 $(, $more)?>($($argument),*),
+            3 => $function::<3 $(, $more)?>($($argument),*),
+            4 => $function::<4 $(, $more)?>($($argument),*),
+            5 => $function::<5 $(, $more)?>($($argument),*),
+            6 => $function::<6 $(, $more)?>($($argument),*),
+            7 => $function::<7 $(, $more)?>($($argument),*),
+            8 => $function::<8 $(, $more)?>($($argument),*),
+            9 => $function::<9 $(, $more)?>($($argument),*),
+            10 => $function::<10 $(, $more)?>($($argument),*),
+            11 => $function::<11 $(, $more)?>($($argument),*),
+            12 => $function::<12 $(, $more)?>($($argument),*),
+            13 => $function::<13 $(, $more)?>($($argument),*),
+            14 => $function::<14 $(, $more)?>($($argument),*),
+            15 => $function::<15 $(, $more)?>($($argument),*),
+            16 => $function::<16 $(, $more)?>($($argument),*),
             _ => $long,
         }
     };
@@ -260,26 +260,40 @@ pub fn solve_lt(factor: &TreeMatrix, x: &mut [f64]) {
 
 /// Second half: `x = L^-1 x`, length nv.
 pub fn solve_l(factor: &TreeMatrix, x: &mut [f64]) {
+    solve_l_of_several(factor, x.as_chunks_mut::<1>().0);
+}
+
+/// As [`solve_l`], of `L` vectors at once, by velocity. Each has the same bits as alone.
+pub fn solve_l_of_several<const L: usize>(factor: &TreeMatrix, x: &mut [[f64; L]]) {
     let base = factor.pattern().base();
     for k in 0..base {
         let row = factor.row(k);
-        let sum = row[..k].iter().zip(&*x).fold(x[k], |sum, (l, x)| sum - l * x);
-        x[k] = sum * row[k];
+        let sum = row[..k].iter().zip(&*x).fold(x[k], |sum, (l, x)| subtract(sum, *l, x));
+        x[k] = sum.map(|sum| sum * row[k]);
     }
-    let first = base_of(x, base);
+    let first: [[f64; L]; 6] = if base == 6 { *x.first_chunk().unwrap_or(&[[0.0; L]; 6]) } else { [[0.0; L]; 6] };
     for &k in factor.pattern().by_depth() {
         let (chain, row) = (factor.pattern().chain(k), factor.row(k));
         let (diagonal, row) = row.split_last().expect("a row contains its diagonal");
         let (head, tail) = split_base(row, base);
-        let part = |i: usize| head[i] * first[i] + head[i + 2] * first[i + 2] + head[i + 4] * first[i + 4];
-        let (sum, chain) = (x[k] - (part(0) + part(1)), &chain[base..]);
+        let part = |i: usize, lane: usize| {
+            head[i] * first[i][lane] + head[i + 2] * first[i + 2][lane] + head[i + 4] * first[i + 4][lane]
+        };
+        let (at, chain) = (x[k], &chain[base..]);
+        let sum: [f64; L] = std::array::from_fn(|lane| at[lane] - (part(0, lane) + part(1, lane)));
         let sum = by_length!(
             tail.len(),
-            gather(chain, tail, sum, x),
-            chain.iter().zip(tail).fold(sum, |sum, (&j, l)| sum - l * x[j])
+            gather<_>(chain, tail, sum, x),
+            chain.iter().zip(tail).fold(sum, |sum, (&j, l)| subtract(sum, *l, &x[j]))
         );
-        x[k] = sum * diagonal;
+        x[k] = sum.map(|sum| sum * diagonal);
     }
+}
+
+/// `sum - l x`.
+#[inline(always)]
+fn subtract<const L: usize>(sum: [f64; L], l: f64, x: &[f64; L]) -> [f64; L] {
+    std::array::from_fn(|lane| sum[lane] - l * x[lane])
 }
 
 /// `x_j -= l_j y` over the first `N` entries of a row.
@@ -292,7 +306,7 @@ fn scatter<const N: usize>(chain: &[usize], row: &[f64], y: f64, x: &mut [f64]) 
 
 /// `sum - l x` over the first `N` entries of a row, one after the other.
 #[inline(always)]
-fn gather<const N: usize>(chain: &[usize], row: &[f64], sum: f64, x: &[f64]) -> f64 {
+fn gather<const N: usize, const L: usize>(chain: &[usize], row: &[f64], sum: [f64; L], x: &[[f64; L]]) -> [f64; L] {
     let (Some(chain), Some(row)) = (chain.first_chunk::<N>(), row.first_chunk::<N>()) else { return sum };
-    chain.iter().zip(row).fold(sum, |sum, (&j, l)| sum - l * x[j])
+    chain.iter().zip(row).fold(sum, |sum, (&j, l)| subtract(sum, *l, &x[j]))
 }

@@ -34,7 +34,7 @@ use conditions::Conditions;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
-pub use responses::{add_efforts, add_point_row, apply, load, multipliers};
+pub use responses::{add_efforts, add_point_row, advance, apply, free, load, multipliers};
 
 /// The workspaces of all mechanisms of a problem.
 #[derive(Clone, Copy)]
@@ -110,8 +110,6 @@ pub struct Reduced {
     pub a0: Vec<f64>,
     /// J v, 6F.
     pub velocity: Vec<f64>,
-    /// Generalised acceleration without contact wrenches, `M^-1 (tau - h)`, of all mechanisms.
-    pub free: Vec<f64>,
     /// Reference points in the world, m, one per contact. Those of pairs are given by
     /// [`Reduced::set_frame`].
     pub reference: Vec<Vector3<f64>>,
@@ -139,7 +137,11 @@ pub struct Reduced {
     y: Vec<[f64; 6]>,
     /// Position of the row of L of each of these velocities among its entries.
     rows: Vec<usize>,
+    /// `L^-T (tau - h)` of all mechanisms, within the conditions of couplings and loops.
     half: Vec<f64>,
+    /// Scratch for generalised forces, and for two at once.
+    scratch: Vec<f64>,
+    pair: Vec<[f64; 2]>,
     conditions: Conditions,
     /// First velocity of each mechanism, and the number of all.
     offsets: Vec<usize>,
@@ -161,7 +163,6 @@ impl Reduced {
             w: Vec::new(),
             a0: Vec::new(),
             velocity: Vec::new(),
-            free: vec![0.0; nv],
             reference: Vec::new(),
             axes: Vec::new(),
             prescribed: Vec::with_capacity(ws.robot.nv()),
@@ -177,6 +178,8 @@ impl Reduced {
             y: Vec::new(),
             rows: Vec::new(),
             half: vec![0.0; nv],
+            scratch: vec![0.0; nv],
+            pair: vec![[0.0; 2]; nv],
             conditions: Conditions::new(ws),
             offsets,
         };
@@ -246,6 +249,11 @@ impl Reduced {
         std::array::from_fn(|c| std::array::from_fn(|r| self.w[6 * row.0 + r + size * (6 * column.0 + c)]))
     }
 
+    /// Makes all accelerations other than a number, where M could not be factorised.
+    pub fn fail(&mut self) {
+        self.half.fill(f64::NAN);
+    }
+
     /// The links of a contact's sides.
     pub fn bodies(&self, contact: usize) -> impl Iterator<Item = BodyId> {
         self.sides[self.sides(contact)].iter().map(|side| side.body)
@@ -254,6 +262,11 @@ impl Reduced {
     /// First velocity of mechanism `m`.
     pub fn offset(&self, m: usize) -> usize {
         self.offsets[m]
+    }
+
+    /// The velocities of mechanism `m`.
+    fn mechanism(&self, m: usize) -> Range<usize> {
+        self.offsets[m]..self.offsets[m + 1]
     }
 
     #[inline(always)]
@@ -285,17 +298,15 @@ pub fn assemble<'a>(ws: impl Into<Mechanisms<'a>>, floor: &Matrix3<f64>, tau: &[
 pub fn assemble_with_geometry<'a>(ws: impl Into<Mechanisms<'a>>, tau: &[f64], out: &mut Reduced) {
     let ws = ws.into();
     for m in 0..ws.number() {
-        let (of, range) = (ws.get(m), out.offsets[m]..out.offsets[m + 1]);
+        let (of, range) = (ws.get(m), out.mechanism(m));
         let half = &mut out.half[range.clone()];
-        for ((half, tau), h) in half.iter_mut().zip(&tau[range.clone()]).zip(&of.bias) {
+        for ((half, tau), h) in half.iter_mut().zip(&tau[range]).zip(&of.bias) {
             *half = tau - h;
         }
         factor::solve_lt(&of.factor, half);
         if of.constraints.number() > 0 {
             out.conditions.constrain(m, of, half);
         }
-        out.free[range.clone()].copy_from_slice(half);
-        factor::solve_l(&of.factor, &mut out.free[range]);
     }
     for s in 0..out.n {
         for side in out.sides(s) {
@@ -351,7 +362,11 @@ fn half_solve(ws: Mechanisms, s: usize, side_index: usize, out: &mut Reduced) {
     let chain = of.support(side.body.link);
     let r = out.reference[s] - of.position;
     let y = &mut out.y[side.start..side.start + chain.len()];
-    for (y, &k) in y.iter_mut().zip(chain) {
+    let (of_base, of_joints) = y.split_at_mut(of.nb.min(chain.len()));
+    if let Some(of_base) = of_base.first_chunk_mut() {
+        *of_base = base_columns(&to_contact, &r);
+    }
+    for (y, &k) in of_joints.iter_mut().zip(&chain[of_base.len()..]) {
         let axis = &of.axes[k];
         write_in_axes(&to_contact, &Motion::new(axis.at(&r), axis.angular), y);
     }
@@ -380,6 +395,22 @@ fn half_solve(ws: Mechanisms, s: usize, side_index: usize, out: &mut Reduced) {
         }
         out.conditions.project(side_index, side.body.mechanism, &of.constraints, y);
     }
+}
+
+/// Jacobian columns of a floating base, whose axes are the unit vectors e_k: `(e_k, 0)`, then `(e_k x r, e_k)`.
+#[inline(always)]
+fn base_columns(to_contact: &Matrix3<f64>, r: &Vector3<f64>) -> [[f64; 6]; 6] {
+    let [x, y, z] = [0, 1, 2].map(|k| Vector3::from(to_contact.column(k)));
+    let column = |linear: Vector3<f64>, angular: Vector3<f64>| Motion::new(linear, angular).to_array();
+    let still = Vector3::zeros();
+    [
+        column(x, still),
+        column(y, still),
+        column(z, still),
+        column(z * r.y - y * r.z, x),
+        column(x * r.z - z * r.x, y),
+        column(y * r.x - x * r.y, z),
+    ]
 }
 
 /// Rows of `a0`: Y^T L^-T (tau - h), and Jdot v from the links' accelerations at vdot = 0.

@@ -90,17 +90,18 @@ impl Force {
     pub fn new(linear: Vector3<f64>, angular: Vector3<f64>) -> Self {
         Force { linear, angular }
     }
-
-    /// Six numbers, linear first.
-    #[inline(always)]
-    pub fn to_array(&self) -> [f64; 6] {
-        let (f, n) = (&self.linear, &self.angular);
-        [f.x, f.y, f.z, n.x, n.y, n.z]
-    }
 }
 
 macro_rules! six_vector {
     ($name:ident) => {
+        impl $name {
+            /// Six numbers, linear first.
+            #[inline(always)]
+            pub fn to_array(&self) -> [f64; 6] {
+                let (a, b) = (&self.linear, &self.angular);
+                [a.x, a.y, a.z, b.x, b.y, b.z]
+            }
+        }
         impl Add for $name {
             type Output = $name;
             #[inline(always)]

@@ -91,7 +91,7 @@ fn dynamics_allocates_nothing_after_the_workspace() {
             factor::solve(&ws, &mut x);
             ws.mass.multiply(&tau, &mut x);
             reduced::assemble(&ws, &Matrix3::identity(), &tau, &mut problem);
-            reduced::apply(&ws, &mut problem, &wrench, &mut vdot);
+            reduced::advance(&ws, &mut problem, 1.0, &wrench, &mut vdot);
             kinematics::accelerations(&mut ws, &vdot);
             link_force::accumulate(&ws, link, &point, &point, &point, &mut x);
             jacobian::frame(&ws, link, &point, &mut frame);

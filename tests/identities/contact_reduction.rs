@@ -37,6 +37,12 @@ fn cases() -> impl Iterator<Item = (Model, State, Matrix3<f64>, Vec<f64>, Random
     })
 }
 
+fn free(ws: &Workspace, out: &Reduced) -> Vec<f64> {
+    let mut a = vec![0.0; ws.nv()];
+    reduced::free(ws, out, &mut a);
+    a
+}
+
 #[test]
 fn w_and_the_free_acceleration_equal_their_dense_definitions() {
     for (model, state, floor, tau, _) in cases() {
@@ -46,7 +52,7 @@ fn w_and_the_free_acceleration_equal_their_dense_definitions() {
         // Rounding times the condition of M, up to about 1e4.
         assert_near("W", &out.w, (&j * &inverse * j.transpose()).as_slice(), 1e-11);
         let force = DVector::from_column_slice(&tau) - DVector::from_column_slice(&ws.bias);
-        assert_near("free", &out.free, (&inverse * force).as_slice(), 1e-11);
+        assert_near("free", &free(&ws, &out), (&inverse * force).as_slice(), 1e-11);
         let velocity = &j * DVector::from_column_slice(&state.v);
         assert_near("J v", &out.velocity, velocity.as_slice(), 1e-13);
         for (a, b) in [(0, 1), (2, 2), (3, 0)] {
@@ -59,14 +65,15 @@ fn w_and_the_free_acceleration_equal_their_dense_definitions() {
 #[test]
 fn a0_is_the_rate_of_the_sole_velocity_under_the_free_acceleration() {
     for (model, state, floor, tau, _) in cases() {
-        let (_, out) = assembled(&model, &state, &floor, &tau);
+        let (ws, out) = assembled(&model, &state, &floor, &tau);
+        let free = free(&ws, &out);
         // Follow q(t), v(t) with v(t) = v + t vdot; q follows from the mean velocity, exact to
         // second order.
         let at = |t: f64| {
             let mut s = state.clone();
-            let mean: Vec<f64> = state.v.iter().zip(&out.free).map(|(v, a)| t * (v + 0.5 * t * a)).collect();
+            let mean: Vec<f64> = state.v.iter().zip(&free).map(|(v, a)| t * (v + 0.5 * t * a)).collect();
             s.displace(&mean);
-            s.v.iter_mut().zip(&out.free).for_each(|(v, a)| *v += t * a);
+            s.v.iter_mut().zip(&free).for_each(|(v, a)| *v += t * a);
             assembled(&model, &s, &floor, &tau).1.velocity
         };
         let h = 1e-5;
@@ -104,8 +111,18 @@ fn applying_wrenches_gives_the_accelerations_predicted_by_w() {
     for (model, state, floor, tau, mut r) in cases() {
         let (ws, mut out) = assembled(&model, &state, &floor, &tau);
         let w = r.list(6 * out.n, 10.0);
-        let mut vdot = out.free.clone();
-        reduced::apply(&ws, &mut out, &w, &mut vdot);
+        let mut vdot = vec![0.0; model.nv()];
+        reduced::advance(&ws, &mut out, 1.0, &w, &mut vdot);
+        // The same in two parts, and over another time.
+        let mut part = vec![0.0; model.nv()];
+        reduced::apply(&ws, &mut out, &w, &mut part);
+        let free = free(&ws, &out);
+        let sum = |dt: f64| -> Vec<f64> { free.iter().zip(&part).map(|(a, x)| dt * a + x).collect() };
+        // Rounding times the condition of M, as above.
+        assert_near("parts", &sum(1.0), &vdot, 1e-11);
+        let mut step = vec![0.0; model.nv()];
+        reduced::advance(&ws, &mut out, 0.3, &w, &mut step);
+        assert_near("step", &sum(0.3), &step, 1e-11);
 
         let j = dense_jacobian(&model, &ws, &out, &floor);
         let mut truth: Vec<f64> = tau.iter().zip(&ws.bias).map(|(t, h)| t - h).collect();

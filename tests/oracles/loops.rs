@@ -98,9 +98,11 @@ fn accelerations_and_forces_of_loops_are_those_of_pinocchio() {
         assert!(ws.constraints.greatest_error() < 1e-12, "case {number}");
         let mut reduced = Reduced::new(&model, &ws);
         reduced::assemble(&ws, &Matrix3::identity(), &tau, &mut reduced);
+        let mut free = vec![0.0; model.nv()];
+        reduced::free(&ws, &reduced, &mut free);
         let scale = case.acceleration.iter().fold(1.0, |most: f64, a| most.max(a.abs()));
         for (k, truth) in case.acceleration.iter().enumerate() {
-            close(&format!("case {number}, acceleration {k}"), reduced.free[index(k)], *truth, scale);
+            close(&format!("case {number}, acceleration {k}"), free[index(k)], *truth, scale);
         }
         let mut lambda = vec![0.0; ws.constraints.number()];
         reduced::multipliers(&ws, &mut reduced, 0, &[], &mut lambda);

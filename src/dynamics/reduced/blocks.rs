@@ -46,26 +46,43 @@ impl Reduced {
 /// Computes the blocks of contact `s` with those before, and their mirror images. All others remain zero.
 pub(super) fn multiply(s: usize, out: &mut Reduced) {
     let size = 6 * out.n;
+    let (y, w) = (&out.y, &mut out.w);
     for Block { other, terms } in &out.blocks[out.block_start[s]..out.block_start[s + 1]] {
-        // Three columns at a time stay in registers.
-        for first in [0, 3] {
-            let mut sum = [[0.0; 6]; 3];
-            for Term { a, b, length } in &out.terms[terms.clone()] {
-                for (ya, yb) in out.y[*a..][..*length].iter().zip(&out.y[*b..][..*length]) {
-                    for (column, &b) in sum.iter_mut().zip(&yb[first..]) {
-                        for (x, &a) in column.iter_mut().zip(ya) {
-                            *x += a * b;
-                        }
-                    }
-                }
-            }
-            for (c, column) in sum.iter().enumerate().map(|(c, column)| (6 * other + first + c, column)) {
-                out.w[6 * s + size * c..][..6].copy_from_slice(column);
-                // A block on the diagonal is its own mirror image.
-                if s != *other {
-                    column.iter().enumerate().for_each(|(r, x)| out.w[c + size * (6 * s + r)] = *x);
+        let terms = &out.terms[terms.clone()];
+        let (row, column) = (6 * s, 6 * other);
+        write(&columns::<6>(y, terms, 0, 0), row, column, size, w);
+        if s == *other {
+            // The rest of the last columns are mirror images.
+            write(&columns::<3>(y, terms, 3, 3), row + 3, column + 3, size, w);
+        } else {
+            write(&columns::<6>(y, terms, 0, 3), row, column + 3, size, w);
+        }
+    }
+}
+
+/// `R` rows of three columns of a block, which stay in registers.
+#[inline(always)]
+fn columns<const R: usize>(y: &[[f64; 6]], terms: &[Term], row: usize, column: usize) -> [[f64; R]; 3] {
+    let mut sum = [[0.0; R]; 3];
+    for Term { a, b, length } in terms {
+        for (ya, yb) in y[*a..][..*length].iter().zip(&y[*b..][..*length]) {
+            for (sum, &b) in sum.iter_mut().zip(&yb[column..]) {
+                for (x, &a) in sum.iter_mut().zip(&ya[row..]) {
+                    *x += a * b;
                 }
             }
         }
+    }
+    sum
+}
+
+/// Writes a part of a block to W from this row and column on, and its mirror image.
+#[inline(always)]
+fn write<const R: usize>(part: &[[f64; R]; 3], row: usize, column: usize, size: usize, w: &mut [f64]) {
+    for (c, entries) in part.iter().enumerate() {
+        w[row + size * (column + c)..][..R].copy_from_slice(entries);
+    }
+    for r in 0..R {
+        w[column + size * (row + r)..][..3].copy_from_slice(&part.map(|entries| entries[r]));
     }
 }

@@ -11,7 +11,7 @@ pub fn load(ws: &Workspace, reduced: &Reduced, w: &[f64], k: usize) -> f64 {
     let mut sum = 0.0;
     for s in 0..reduced.n {
         for side in reduced.sides[reduced.sides(s)].iter().filter(|side| side.body.mechanism == 0) {
-            if ws.support(side.body.link).binary_search(&k).is_ok() {
+            if ws.support(side.body.link).last().is_some_and(|&last| ws.mass.pattern().is_below(last, k)) {
                 let axes = &reduced.axes[s];
                 let vector = |at: usize| axes * Vector3::new(w[6 * s + at], w[6 * s + at + 1], w[6 * s + at + 2]);
                 let axis = &ws.axes[k];
@@ -52,43 +52,63 @@ pub fn add_efforts<'a>(
     (free, motion): (&mut [f64], &mut [f64]),
 ) {
     let ws = ws.into();
-    let range = reduced.offsets[m]..reduced.offsets[m + 1];
-    reduced.half.fill(0.0);
-    efforts.for_each(|(k, effort)| reduced.half[range.start + k] += effort);
-    factor::solve_lt(&ws.get(m).factor, &mut reduced.half[range.clone()]);
-    ws.get(m).constraints.project(&mut reduced.half[range.clone()]);
+    let range = reduced.mechanism(m);
+    let half = &mut reduced.scratch[range.clone()];
+    half.fill(0.0);
+    efforts.for_each(|(k, effort)| half[k] += effort);
+    factor::solve_lt(&ws.get(m).factor, half);
+    ws.get(m).constraints.project(half);
     for s in 0..reduced.n {
-        for side in reduced.sides[reduced.sides(s)].iter().filter(|side| side.body.mechanism == m) {
+        let sides = reduced.side_start[s]..reduced.side_start[s + 1];
+        for side in reduced.sides[sides].iter().filter(|side| side.body.mechanism == m) {
             let y = &reduced.y[side.start..side.start + side.length];
             for (y, &k) in y.iter().zip(ws.get(m).coupled(side.body.link)) {
-                let half = reduced.half[side.offset + k];
-                motion[6 * s..6 * s + 6].iter_mut().zip(y).for_each(|(a, y)| *a += y * half);
+                motion[6 * s..6 * s + 6].iter_mut().zip(y).for_each(|(a, y)| *a += y * half[k]);
             }
         }
     }
-    factor::solve_l(&ws.get(m).factor, &mut reduced.half[range.clone()]);
-    free[range.clone()].iter_mut().zip(&reduced.half[range]).for_each(|(a, x)| *a += x);
+    factor::solve_l(&ws.get(m).factor, half);
+    free[range].iter_mut().zip(&*half).for_each(|(a, x)| *a += x);
 }
 
-/// Adds `M^-1 J^T w` to `out`, of all mechanisms: accelerations for wrenches `w`, velocity jumps for
-/// impulses. `w` has length 6F. Needs [`super::assemble`].
-pub fn apply<'a>(ws: impl Into<Mechanisms<'a>>, reduced: &mut Reduced, w: &[f64], out: &mut [f64]) {
+/// `out = M^-1 (tau - h)`, the accelerations of all mechanisms without contact. Needs [`super::assemble`].
+pub fn free<'a>(ws: impl Into<Mechanisms<'a>>, reduced: &Reduced, out: &mut [f64]) {
     let ws = ws.into();
-    reduced.half.fill(0.0);
-    for s in 0..reduced.n {
-        let w = &w[6 * s..6 * s + 6];
+    out.copy_from_slice(&reduced.half);
+    for m in 0..ws.number() {
+        factor::solve_l(&ws.get(m).factor, &mut out[reduced.mechanism(m)]);
+    }
+}
+
+/// `out = dt M^-1 (tau - h) + M^-1 J^T w`, of all mechanisms: the change of velocities in a time dt by contact
+/// impulses `w`, and accelerations for wrenches `w` with dt = 1. `w` has length 6F. Needs [`super::assemble`].
+pub fn advance<'a>(ws: impl Into<Mechanisms<'a>>, reduced: &mut Reduced, dt: f64, w: &[f64], out: &mut [f64]) {
+    respond(ws.into(), reduced, w);
+    out.iter_mut().zip(&reduced.pair).for_each(|(out, [free, loaded])| *out = dt * free + loaded);
+}
+
+/// `out = M^-1 J^T w`, of all mechanisms: accelerations for wrenches `w`, velocity jumps for impulses.
+/// `w` has length 6F. Needs [`super::assemble`].
+pub fn apply<'a>(ws: impl Into<Mechanisms<'a>>, reduced: &mut Reduced, w: &[f64], out: &mut [f64]) {
+    respond(ws.into(), reduced, w);
+    out.iter_mut().zip(&reduced.pair).for_each(|(out, [_, loaded])| *out = *loaded);
+}
+
+/// Computes `M^-1 (tau - h)` and `M^-1 J^T w` in `reduced.pair`; both cost as much as one.
+fn respond(ws: Mechanisms, reduced: &mut Reduced, w: &[f64]) {
+    reduced.pair.iter_mut().zip(&reduced.half).for_each(|(pair, half)| *pair = [*half, 0.0]);
+    for (s, w) in w.as_chunks::<6>().0.iter().enumerate() {
         for side in &reduced.sides[reduced.side_start[s]..reduced.side_start[s + 1]] {
             let y = &reduced.y[side.start..side.start + side.length];
+            let pair = &mut reduced.pair[side.offset..];
             for (y, &k) in y.iter().zip(ws.get(side.body.mechanism).coupled(side.body.link)) {
-                reduced.half[side.offset + k] += y.iter().zip(w).map(|(y, w)| y * w).sum::<f64>();
+                pair[k][1] += y.iter().zip(w).map(|(y, w)| y * w).sum::<f64>();
             }
         }
     }
     for m in 0..ws.number() {
-        factor::solve_l(&ws.get(m).factor, &mut reduced.half[reduced.offsets[m]..reduced.offsets[m + 1]]);
-    }
-    for (out, x) in out.iter_mut().zip(&reduced.half) {
-        *out += x;
+        let range = reduced.mechanism(m);
+        factor::solve_l_of_several(&ws.get(m).factor, &mut reduced.pair[range]);
     }
 }
 

@@ -141,7 +141,6 @@ impl RunState {
             return;
         }
         let plant = &mut self.plant;
-        self.displacement.fill(0.0);
         let mechanisms = plant.objects.mechanisms(&plant.ws);
         reduced::apply(mechanisms, &mut plant.reduced, &self.projection.wrench, &mut self.displacement);
         plant.displace(&self.displacement);

@@ -181,7 +181,6 @@ impl Plant {
     /// Change of accelerations and powers by a wrench on a polygon, from the evaluation `before`. Leaves the
     /// evaluation changed.
     fn respond_to_wrench(&mut self, s: usize, wrench: &[f64; 6], before: &Evaluation, out: &mut [f64]) {
-        self.acceleration.copy_from_slice(&self.reduced.free);
         self.solution.wrench.copy_from_slice(&before.wrenches);
         self.solution.wrench[6 * s..6 * s + 6].iter_mut().zip(wrench).for_each(|(sum, x)| *sum += x);
         self.close();

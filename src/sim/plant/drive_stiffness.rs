@@ -171,11 +171,12 @@ impl Plant {
         before: &Evaluation,
     ) {
         self.problem.b.copy_from_slice(&before.motions);
-        self.acceleration.copy_from_slice(&self.reduced.free);
-        let motions = (&mut self.acceleration[..], &mut self.problem.b[..]);
         let mechanisms = self.objects.mechanisms(&self.ws);
+        reduced::free(mechanisms, &self.reduced, &mut self.acceleration);
+        let motions = (&mut self.acceleration[..], &mut self.problem.b[..]);
         reduced::add_efforts(mechanisms, &mut self.reduced, m, efforts, motions);
         self.method.respond(&self.problem, &self.states, &mut self.solution);
-        reduced::apply(mechanisms, &mut self.reduced, &self.solution.wrench, &mut self.acceleration);
+        reduced::apply(mechanisms, &mut self.reduced, &self.solution.wrench, &mut self.scratch);
+        self.acceleration.iter_mut().zip(&self.scratch).for_each(|(a, x)| *a += x);
     }
 }

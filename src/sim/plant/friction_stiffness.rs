@@ -140,7 +140,6 @@ impl Plant {
     /// Contact wrenches and accelerations with another direction of one vertex.
     fn respond_with(&mut self, s: usize, i: usize, direction: Vector2<f64>) {
         self.problem.soles[s].vertices[i].direction = direction;
-        self.acceleration.copy_from_slice(&self.reduced.free);
         self.method.respond(&self.problem, &self.states, &mut self.solution);
         self.close();
     }

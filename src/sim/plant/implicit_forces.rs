@@ -54,7 +54,6 @@ impl ImplicitForces {
         if self.contacts.products() + self.external.products() > 0 {
             plant.configuration_rates(&mut out.rates);
         }
-        plant.acceleration.copy_from_slice(&plant.reduced.free);
         plant.method.respond(&plant.problem, &plant.states, &mut plant.solution);
         plant.close();
     }

@@ -14,7 +14,6 @@ impl Plant {
     /// Adds the velocity changes that impulses on the contacts (6F) cause.
     pub fn add_impulses(&mut self, impulses: &[f64]) {
         let mut jump = std::mem::take(&mut self.jump);
-        jump.fill(0.0);
         reduced::apply(self.objects.mechanisms(&self.ws), &mut self.reduced, impulses, &mut jump);
         self.add_velocity(&jump);
         self.jump = jump;

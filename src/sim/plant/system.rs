@@ -273,7 +273,8 @@ impl Plant {
         self.drives.begin_step();
         self.evaluate_implicit_terms(dt);
         let nb = self.model.nb();
-        let (rates, free) = (&self.state.v[nb..], &self.reduced.free[nb..]);
+        reduced::free(self.objects.mechanisms(&self.ws), &self.reduced, &mut self.acceleration);
+        let (rates, free) = (&self.state.v[nb..], &self.acceleration[nb..]);
         // Both are evaluated: each marks joints.
         if self.drives.mark_entering_speed_band(&self.model, rates, free, dt)
             | self.drives.mark_saturated(&self.model, free)
@@ -370,9 +371,8 @@ impl Plant {
         }
         let tau = if self.reduced.prescribed.is_empty() { &self.tau } else { &self.scratch };
         reduced::assemble_with_geometry(self.objects.mechanisms(&self.ws), tau, &mut self.reduced);
-        self.acceleration.copy_from_slice(&self.reduced.free);
         if self.failure.is_some() {
-            self.acceleration.fill(f64::NAN);
+            self.reduced.fail();
         }
         self.problem.w.copy_from_slice(&self.reduced.w);
         self.problem.b.copy_from_slice(&self.reduced.a0);
@@ -444,10 +444,10 @@ impl Plant {
         self.step_loads = Some(residual::loads(&self.problem, &self.states, &self.solution));
     }
 
-    /// Adds the contact wrenches of the solution to the accelerations.
+    /// Computes the accelerations for the contact wrenches of the solution.
     pub fn close(&mut self) {
         let mechanisms = self.objects.mechanisms(&self.ws);
-        reduced::apply(mechanisms, &mut self.reduced, &self.solution.wrench, &mut self.acceleration);
+        reduced::advance(mechanisms, &mut self.reduced, 1.0, &self.solution.wrench, &mut self.acceleration);
         if !self.reduced.prescribed.is_empty() {
             self.drive_reactions();
         }

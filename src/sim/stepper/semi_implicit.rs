@@ -165,9 +165,8 @@ pub(super) fn show_forces(sim: &mut RunState, dt: f64) {
 /// `sim.displacement`.
 fn displace(sim: &mut RunState, dt: f64) {
     let plant = &mut sim.plant;
-    sim.displacement.iter_mut().zip(&plant.acceleration).for_each(|(d, a)| *d = dt * a);
     let mechanisms = plant.objects.mechanisms(&plant.ws);
-    reduced::apply(mechanisms, &mut plant.reduced, &plant.solution.wrench, &mut sim.displacement);
+    reduced::advance(mechanisms, &mut plant.reduced, dt, &plant.solution.wrench, &mut sim.displacement);
 }
 
 /// Turns the reduced problem into the velocity-level one of this step.
