@@ -13,6 +13,11 @@
 //! without a search for pivots, `A = U^T D^-1 U` with the pivots D on the diagonal of U. The first
 //! pivot that is not clearly positive ends this, and the matrix is factorised as any other. So is a
 //! matrix that is expected to be regular, if pivots sought within their columns come near zero.
+//!
+//! Pivots in a fixed order may all be clearly positive although the matrix is singular: where the last entries
+//! of a null vector are small, each pivot is only as small as the square of the ratio of two of them. If some
+//! pivot is small, a vector z with `U z = D s`, s of 1 and -1, is therefore computed from its last entry on, with
+//! signs that let it grow. As `z^T A z = s^T D s`, the least eigenvalue is at most `n max(D) / |z|^2`.
 
 use super::{LONG, dot};
 
@@ -28,6 +33,9 @@ pub const NEARLY_REDUNDANT: f64 = 1e-6;
 /// definite, or relative to the greatest pivot, above which a matrix is clearly regular. It is far
 /// above [`RANK`], as pivots in a fixed order indicate the rank only roughly.
 const CLEAR: f64 = 1e-8;
+
+/// Pivot, relative to the greatest diagonal entry, below which the least eigenvalue of a matrix is estimated.
+const SMALL: f64 = 1e-3;
 
 /// Kind of the last factorisation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -175,6 +183,7 @@ impl Linear {
             12 => eliminate_definite(upper.as_chunks_mut::<12>().0, inverse, least),
             _ => eliminate_definite_of_any_order(upper, inverse, least),
         };
+        let definite = definite && !is_nearly_singular(upper, inverse, least, &mut self.scratch[..n]);
         if definite {
             (self.rank, self.factors, self.least) = (n, Factors::Definite, 1.0);
         }
@@ -315,6 +324,22 @@ impl Linear {
             x.iter_mut().zip(&self.null[f * rank..]).for_each(|(x, z)| *x -= z * y);
         }
     }
+}
+
+/// Whether an eigenvalue of a matrix with these pivots and rows U may be under `least`, [`CLEAR`] times its greatest
+/// diagonal entry; see the module. `z` is scratch.
+fn is_nearly_singular(upper: &[f64], inverse: &[f64], least: f64, z: &mut [f64]) -> bool {
+    let n = inverse.len();
+    let smallest = 1.0 / inverse.iter().fold(0.0, |most: f64, x| most.max(*x));
+    if smallest > SMALL * least / CLEAR {
+        return false;
+    }
+    for k in (0..n).rev() {
+        let sum = dot(&upper[k * n + k + 1..(k + 1) * n], &z[k + 1..]) * inverse[k];
+        z[k] = -(sum + 1f64.copysign(sum));
+    }
+    // No pivot exceeds its diagonal entry.
+    CLEAR * dot(z, z) > n as f64
 }
 
 /// Greatest size of the entries of a row.

@@ -25,6 +25,9 @@ pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     solver: |parameters, p| Box::new(Exact::new(parameters.exact, p)),
 };
 
+/// Speed up to which a vertex does not slide on, m/s: rounding.
+const STILL: f64 = 1e-12;
+
 /// Parameters of method `exact`.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -71,9 +74,11 @@ impl ContactSolver for Exact {
 
     fn select(&mut self, p: &mut Problem, input: &SelectionInput, out: &mut Solution) -> Selection {
         let tol = &input.rules.tolerances;
+        let stops = input.rules.stops;
         for v in p.soles.iter_mut().flat_map(|s| &mut s.vertices) {
+            v.moving |= !stops && v.velocity.xy().norm() > STILL;
             // A vertex about to be clamped out of a slow motion has its velocity settled first.
-            v.settles = v.moving && v.velocity.z.abs() > tol.rest && v.velocity.xy().norm() <= tol.velocity;
+            v.settles = stops && v.moving && v.velocity.z.abs() > tol.rest && v.velocity.xy().norm() <= tol.velocity;
             v.moving &= !v.settles;
             if v.moving {
                 v.direction = v.velocity.xy().normalize();
@@ -85,7 +90,7 @@ impl ContactSolver for Exact {
             let clamped = |i: &usize| state.clamps(*i, k);
             let fastest = (0..k).filter(clamped).map(|i| sole.vertices[i].velocity.xy().norm()).fold(0.0, f64::max);
             let slow = 10.0 * tol.rest;
-            if state.is_dynamic() && fastest <= slow {
+            if stops && state.is_dynamic() && fastest <= slow {
                 // Others that touch the floor are at rest by the same resolution.
                 let stops = |v: &Vertex| v.is_near(tol) && v.velocity.xy().norm() <= slow;
                 for (i, v) in sole.vertices.iter_mut().enumerate() {

@@ -170,8 +170,8 @@ impl Island {
     /// Takes over the rules of the whole problem.
     fn follow(&mut self, rules: &Rules) {
         let own = &mut self.rules;
-        (own.tolerances, own.hops, own.rounding, own.exhaustive) =
-            (rules.tolerances, rules.hops, rules.rounding, rules.exhaustive);
+        (own.tolerances, own.hops, own.rounding, own.exhaustive, own.stops) =
+            (rules.tolerances, rules.hops, rules.rounding, rules.exhaustive, rules.stops);
         for (i, &s) in self.soles.iter().enumerate() {
             own.previous.set(i, rules.previous[s]);
             own.suspect.set(i, rules.suspect[s]);

@@ -74,6 +74,23 @@ pub struct Loads {
     resultant_gap: f64,
 }
 
+impl Loads {
+    /// Greatest tension or load beyond its friction limit, N.
+    pub fn excess(&self) -> f64 {
+        self.tension.max(self.cone_excess)
+    }
+}
+
+/// Loads of a velocity-level step.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct StepLoads {
+    /// The loads.
+    pub loads: Loads,
+    /// Whether the step begins at the present state, whose velocities are those before it. Otherwise it ends
+    /// there.
+    pub begins: bool,
+}
+
 /// Evaluates the residuals. `solution` must hold wrenches and the forces of all vertices; of `p`
 /// only positions, velocities and friction coefficients of the vertices are read.
 pub fn evaluate(p: &Problem, states: &States, solution: &Solution) -> Residual {

@@ -150,6 +150,9 @@ pub struct Rules {
     /// Whether conditions may contradict each other: motions are prescribed, or links coupled. Otherwise
     /// contradictions are errors of the state within the tolerances.
     pub may_contradict: bool,
+    /// Whether motion that a new state does not allow will be stopped. Otherwise vertices slide on along
+    /// their velocities, however slow.
+    pub stops: bool,
 }
 
 impl Rules {
@@ -163,6 +166,7 @@ impl Rules {
             rounding: ROUNDING,
             exhaustive: true,
             may_contradict: false,
+            stops: true,
         }
     }
 

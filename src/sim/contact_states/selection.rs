@@ -5,11 +5,13 @@ use super::drift_projection::anchor;
 use crate::contact::hybrid::impact;
 use crate::contact::methods::contact_method::SelectionInput;
 use crate::contact::model::problem::Problem;
+use crate::contact::model::residual;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Pattern, SoleState, States};
 use crate::contact::search::judge::Rules;
 use crate::contact::search::select::Selection;
 use crate::sim::event_kind::EventKind;
+use crate::sim::plant::Plant;
 use crate::sim::report::{Observer, Outcome};
 use crate::sim::run::{Deferral, RunState};
 use crate::sim::run_error::RunError;
@@ -35,6 +37,10 @@ const FOLLOWED: usize = 4;
 
 /// Greatest number of turns of the rings of cylinders at one choice of states.
 const TURNS: usize = 8;
+
+/// Load beyond its limit, relative to the scale of loads, from which on states are chosen for motion that was not
+/// stopped.
+const EXCESS: f64 = 1e-8;
 
 /// Work of the impulses of a solution, J.
 fn impulse_work(p: &Problem, solution: &Solution) -> f64 {
@@ -73,6 +79,7 @@ impl RunState {
     /// Impacts, selections and velocity jumps in turn, until a selection needs no jump.
     fn choose_in_rounds(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         let mut impacts = 0;
+        let mut leaves_motion = false;
         for round in 1..=ROUNDS {
             // Vertices brought to rest may drive others into the floor.
             while self.plant.method.locates_events() && self.hits() {
@@ -89,7 +96,7 @@ impl RunState {
                     ));
                 }
             }
-            let mut selection = self.select(false, observer)?;
+            let mut selection = self.select_exhaustively(false, observer)?;
             self.count(&selection);
             let mut invalid = !selection.consistent && !self.all_imposed(&selection.assessment);
             // A jam is a solution only if a state is chosen after it. Its law finds out whether finite
@@ -107,7 +114,7 @@ impl RunState {
                     self.deferral = Deferral::Due;
                     break;
                 }
-                selection = self.select(true, observer)?;
+                selection = self.select_exhaustively(true, observer)?;
                 self.count(&selection);
                 invalid = !selection.consistent && !self.all_imposed(&selection.assessment);
             }
@@ -123,6 +130,8 @@ impl RunState {
             // Normal motion (below v_t) and slip (below the rest speed) that the new state does not
             // allow end here; the choice is then repeated with the consistent velocities.
             let change = self.stop_clamped_directions();
+            leaves_motion = change.is_none();
+            let change = change.unwrap_or(0.0);
             self.plant.evaluate_free();
             if change <= if self.locates_events() { NO_CHANGE } else { self.tolerances.rest } {
                 break;
@@ -138,30 +147,71 @@ impl RunState {
             if !self.follow_states() || self.deferral == Deferral::Due {
                 break;
             }
-            self.confirm_states(observer)?;
+            leaves_motion = self.confirm_states(observer)?;
+        }
+        self.plant.evaluate();
+        if (leaves_motion || self.turns_slowly()) && !self.carries_loads() {
+            self.slide_on(observer)?;
+        }
+        Ok(())
+    }
+
+    /// Whether a vertex slides so slowly that the states were chosen for one at rest. Its friction may have turned.
+    fn turns_slowly(&self) -> bool {
+        let Plant { problem, states, .. } = &self.plant;
+        problem.vertex_indices().any(|(s, i)| {
+            let v = &problem.soles[s].vertices[i];
+            let slides = states[s].is_dynamic() && states[s].clamps(i, problem.soles[s].vertices.len());
+            slides && !v.moving && v.velocity.xy().norm() > NO_CHANGE
+        })
+    }
+
+    /// Whether the plant's forces are within the laws.
+    fn carries_loads(&mut self) -> bool {
+        let plant = &mut self.plant;
+        // The next choice begins with forces before they are shared.
+        let saved = plant.solution.clone();
+        plant.share_forces();
+        let loads = residual::loads(&plant.problem, &plant.states, &plant.solution);
+        plant.solution = saved;
+        loads.excess() <= EXCESS * plant.problem.scale
+    }
+
+    /// Chooses the states again for the present velocities. Those before were chosen for slow motion to be
+    /// stopped, but some of it is left, which gives friction other directions.
+    fn slide_on(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        self.plant.evaluate_free();
+        self.plant.update_directions();
+        let selection = self.select(Rules { stops: false, exhaustive: false, ..self.rules() }, observer)?;
+        self.count(&selection);
+        if selection.consistent {
+            self.adopt(selection.states, observer)?;
         }
         self.plant.evaluate();
         Ok(())
     }
 
     /// Chooses the states again after patches have followed them: the new problem has no split of an indeterminate
-    /// load yet.
-    fn confirm_states(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+    /// load yet. Returns whether motion is left that they do not allow.
+    fn confirm_states(&mut self, observer: &mut dyn Observer) -> Result<bool, RunError> {
+        let mut leaves_motion = false;
         for _ in 0..ROUNDS {
             self.plant.evaluate_free();
             self.plant.update_directions();
-            let selection = self.select(false, observer)?;
+            let selection = self.select_exhaustively(false, observer)?;
             self.count(&selection);
             if !selection.consistent {
                 break;
             }
             self.adopt(selection.states, observer)?;
-            if self.stop_clamped_directions() <= NO_CHANGE {
+            let change = self.stop_clamped_directions();
+            leaves_motion = change.is_none();
+            if change.is_none_or(|change| change <= NO_CHANGE) {
                 break;
             }
         }
         self.plant.evaluate_free();
-        Ok(())
+        Ok(leaves_motion)
     }
 
     /// As [`choose_states`](Self::choose_states), with vertices slower than `speed` (m/s) set to
@@ -205,8 +255,12 @@ impl RunState {
     }
 
     /// Selects states at the acceleration level, from all of them as a last resort if `exhaustive`.
-    fn select(&mut self, exhaustive: bool, observer: &mut dyn Observer) -> Result<Selection, RunError> {
-        let rules = Rules { exhaustive, ..self.rules() };
+    fn select_exhaustively(&mut self, exhaustive: bool, observer: &mut dyn Observer) -> Result<Selection, RunError> {
+        self.select(Rules { exhaustive, ..self.rules() }, observer)
+    }
+
+    /// Selects states at the acceleration level.
+    fn select(&mut self, rules: Rules, observer: &mut dyn Observer) -> Result<Selection, RunError> {
         self.before_selection.copy_from(&self.plant.solution);
         let forced = self.forced(self.plant.state.time);
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f == state);
@@ -216,7 +270,7 @@ impl RunState {
         let plant = &mut self.plant;
         let selection = plant.method.select(&mut plant.problem, &input, &mut plant.solution);
         self.record_solution(observer, &selection)?;
-        self.check_search(&selection, exhaustive)?;
+        self.check_search(&selection, rules.exhaustive)?;
         Ok(selection)
     }
 
@@ -397,8 +451,9 @@ impl RunState {
     }
 
     /// Brings the clamped directions of the adopted states to rest by a velocity jump. Returns the
-    /// greatest change of a vertex's velocity, m/s.
-    fn stop_clamped_directions(&mut self) -> f64 {
+    /// greatest change of a vertex's velocity, m/s; none if the motion is left, as the jump would be out of
+    /// proportion to it.
+    fn stop_clamped_directions(&mut self) -> Option<f64> {
         let tol = self.tolerances;
         // For a method without event location the impacts happen here.
         let bounce = if self.plant.method.locates_events() { 0.0 } else { self.contact.restitution };
@@ -430,13 +485,13 @@ impl RunState {
             p.set_turning_modes(&plant.turning);
         }
         if !self.is_projectable(self.velocity_error(&states)) {
-            return 0.0;
+            return None;
         }
         let plant = &mut self.plant;
         let p = &mut plant.problem;
         let change = impact::greatest_change(p, &self.projection.motion);
         let jump = plant.apply_impulses(&self.projection.wrench);
         self.energy.add_jump(jump);
-        change
+        Some(change)
     }
 }

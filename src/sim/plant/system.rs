@@ -122,7 +122,7 @@ pub struct Plant {
     /// sharing: those of points in a sliding mode.
     pub has_point_forces: bool,
     /// Residuals of the loads of the last velocity-level step, where it was solved.
-    pub step_loads: Option<residual::Loads>,
+    pub step_loads: Option<residual::StepLoads>,
     /// The method.
     pub method: Box<dyn ContactSolver>,
     /// Reference sliding directions, by sole and vertex, from the last choice of states.
@@ -430,18 +430,24 @@ impl Plant {
     }
 
     /// Residuals of the contact laws at the present state. Shares forces over soles that the last step
-    /// has turned, as the log and the next step of `one-step` read them.
+    /// has turned, as the log and the next step of `one-step` read them. Where a velocity-level step begins its
+    /// states are not those of the velocities before it: creep speed and dissipation gap are zero.
     pub fn residual(&mut self) -> Residual {
         self.share_forces();
         let (p, states, solution) = (&self.problem, &self.states, &self.solution);
-        let loads = self.step_loads.unwrap_or_else(|| residual::loads(p, states, solution));
-        residual::evaluate_motion(loads, p, states, solution)
+        let loads = self.step_loads.map_or_else(|| residual::loads(p, states, solution), |step| step.loads);
+        let residual = residual::evaluate_motion(loads, p, states, solution);
+        match self.step_loads {
+            Some(step) if step.begins => Residual { creep_speed: 0.0, dissipation_gap: 0.0, ..residual },
+            _ => residual,
+        }
     }
 
     /// Evaluates the residuals of the loads of a velocity-level step at the state in which it was
-    /// solved. Every method has shared its forces then.
-    pub fn evaluate_step_loads(&mut self) {
-        self.step_loads = Some(residual::loads(&self.problem, &self.states, &self.solution));
+    /// solved, which `begins` or ends at the present one. Every method has shared its forces then.
+    pub fn evaluate_step_loads(&mut self, begins: bool) {
+        let loads = residual::loads(&self.problem, &self.states, &self.solution);
+        self.step_loads = Some(residual::StepLoads { loads, begins });
     }
 
     /// Computes the accelerations for the contact wrenches of the solution.

@@ -141,7 +141,7 @@ pub(super) fn apply_step(sim: &mut RunState, dt: f64, end: f64) {
         object.end_step(&sim.displacement[object.velocities.clone()], dt);
     }
     plant.solution.scale(1.0 / dt);
-    plant.evaluate_step_loads();
+    plant.evaluate_step_loads(false);
     plant.write_velocities_times(dt, &mut sim.displacement);
     plant.displace(&sim.displacement);
     plant.state.time = end;
@@ -157,7 +157,7 @@ pub(super) fn show_forces(sim: &mut RunState, dt: f64) {
     sim.plant.update_multipliers_over_step(dt);
     sim.plant.drive_reactions_over_step(&sim.displacement, dt);
     sim.plant.solution.scale(1.0 / dt);
-    sim.plant.evaluate_step_loads();
+    sim.plant.evaluate_step_loads(true);
     sim.plant.refresh();
 }
 
