@@ -1,8 +1,9 @@
 //! Tests of recorded contact problems: reading returns the written problem, and solving it again
 //! gives the same bits.
 
-use crate::analytic::support::simulation;
+use crate::analytic::support::{root, simulation};
 use std::sync::atomic::AtomicBool;
+use stiction::Scenario;
 use stiction::contact::selection_record::{SelectionRecord, SelectionResult};
 use stiction::log::{MAX_PROBLEMS, ProblemRecord, ProblemWriter};
 use stiction::sim::{Observer, Outcome, Problems, SimEvent, Snapshot};
@@ -82,6 +83,26 @@ fn selecting_again_from_the_record_gives_the_same_bits() {
         }
     }
     assert!(total > 500 && velocity > 50 && moving > 100 && suspect > 5, "{total} {velocity} {moving} {suspect}");
+}
+
+/// A fall of `scenarios/studies/falls.toml` in which slow motion cannot be stopped: states are chosen again for it.
+#[test]
+fn a_choice_for_motion_that_is_left_is_repeated_from_its_record() {
+    let study = Scenario::load(root().join("scenarios/studies/falls.toml")).unwrap();
+    let study = study.set("seed", 6).set("sweep.random.samples", 56).set("duration", 1.22);
+    let mut sim = study.runs().unwrap().remove(121).simulation().unwrap();
+    let mut keep = Keep(Problems::All, vec![]);
+    assert_eq!(sim.run(&mut keep, &AtomicBool::new(false)).0, Outcome::Passed);
+    let records = keep.1.iter().map(|text| serde_json::from_str::<SelectionRecord>(text).unwrap());
+    let left: Vec<SelectionRecord> = records.filter(|record| !record.stops).collect();
+    assert!(!left.is_empty());
+    for record in left {
+        assert!(record.answer.consistent);
+        assert_eq!(json(&record.replay().unwrap()), json(&record.answer), "{} s", record.time_s);
+        // With the motion stopped, vertices slip in other directions.
+        let stopped = SelectionRecord { stops: true, ..record.clone() };
+        assert_ne!(json(&stopped.replay().unwrap()), json(&record.answer), "{} s", record.time_s);
+    }
 }
 
 #[test]

@@ -63,8 +63,8 @@ impl SelectionRecord {
             acceleration: t.acceleration_m_per_s2,
             rest: t.rest_m_per_s,
         };
-        let (exhaustive, may_contradict) = (self.exhaustive, self.may_contradict);
-        let mut rules = Rules { exhaustive, may_contradict, ..Rules::new(tolerances, States::default()) };
+        let (exhaustive, may_contradict, stops) = (self.exhaustive, self.may_contradict, self.stops);
+        let mut rules = Rules { exhaustive, may_contradict, stops, ..Rules::new(tolerances, States::default()) };
         for (s, sole) in self.soles.iter().enumerate() {
             rules.previous[s] = sole.state(&sole.previous)?;
             rules.suspect[s] = if sole.suspect_normal { SUSPECT_NORMAL } else { 0 }

@@ -44,11 +44,14 @@ pub struct SelectionRecord {
     /// Vector b, 6F: the motions without contact.
     pub b: Vec<f64>,
     /// Whether all states were searched as a last resort.
-    #[serde(default = "exhaustive")]
+    #[serde(default = "without_the_key")]
     pub exhaustive: bool,
     /// Whether conditions may contradict each other.
     #[serde(default)]
     pub may_contradict: bool,
+    /// Whether motion that a new state does not allow was to be stopped; otherwise vertices slide on along it.
+    #[serde(default = "without_the_key")]
+    pub stops: bool,
     /// Tolerances that applied in the selection.
     pub tolerances: ToleranceRecord,
     /// Soles, in the order of the rows.
@@ -57,8 +60,8 @@ pub struct SelectionRecord {
     pub answer: SelectionResult,
 }
 
-/// Records without the key are of programs that always searched all states.
-fn exhaustive() -> bool {
+/// Records without the key are of programs that always searched all states, and always stopped motion.
+fn without_the_key() -> bool {
     true
 }
 

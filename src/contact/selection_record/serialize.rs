@@ -67,6 +67,7 @@ impl SelectionRecord {
             b: p.b.clone(),
             exhaustive: rules.exhaustive,
             may_contradict: rules.may_contradict,
+            stops: rules.stops,
             tolerances: ToleranceRecord {
                 distance_m: tol.distance,
                 velocity_m_per_s: tol.velocity,
