@@ -72,7 +72,8 @@ fn orthogonalize(ws: &mut Workspace, prescribed: &[usize]) {
 }
 
 /// Calls a function for the length of a row as a constant, or evaluates `$long` for longer rows. Rows
-/// are short: loops over variable lengths would cost more than their numbers.
+/// are short: loops over variable lengths would cost more than their numbers. `<_>` after the name leaves its second
+/// parameter to be inferred.
 macro_rules! by_length {
     ($length:expr, $function:ident $(<$more:tt>)? ($($argument:expr),*), $long:expr) => {
         match $length {

@@ -326,8 +326,8 @@ impl Linear {
     }
 }
 
-/// Whether an eigenvalue of a matrix with these pivots and rows U may be under `least`, [`CLEAR`] times its greatest
-/// diagonal entry; see the module. `z` is scratch.
+/// Whether a matrix with these pivots and rows U is found to have an eigenvalue under `least`, [`CLEAR`] times its
+/// greatest diagonal entry; see the module. `z` is scratch.
 fn is_nearly_singular(upper: &[f64], inverse: &[f64], least: f64, z: &mut [f64]) -> bool {
     let n = inverse.len();
     let smallest = 1.0 / inverse.iter().fold(0.0, |most: f64, x| most.max(*x));

@@ -1,11 +1,13 @@
-//! Falls of `scenarios/studies/falls.toml`, each of which once lost energy or sank in, or did not end.
+//! Falls of `scenarios/studies/falls.toml`, each of which once lost energy, sank in, did not end or left the laws.
 
 use super::support::root;
 use stiction::Scenario;
-use stiction::sim::Metrics;
+use stiction::sim::{Metrics, Simulation};
 
 /// Seed, samples and run of the study, duration in s, and what the fall meets.
-const FALLS: [(i64, i64, usize, f64, &str); 10] = [
+type Fall = (i64, i64, usize, f64, &'static str);
+
+const FALLS: [Fall; 10] = [
     (2, 12, 20, 1.3, "the end of a tilted capsule slides over a border"),
     (2, 12, 15, 0.6, "an edge slides over two edges of a height field in one plane with it"),
     (2, 12, 24, 2.0, "after a jam, slow slip stops when patches follow the states"),
@@ -19,7 +21,7 @@ const FALLS: [(i64, i64, usize, f64, &str); 10] = [
 ];
 
 /// The same of falls that once showed loads beyond the laws for an instant.
-const LOADS: [(i64, i64, usize, f64, &str); 6] = [
+const LOADS: [Fall; 6] = [
     (6, 56, 121, 1.3, "slow slip of one vertex, which cannot be stopped"),
     (6, 56, 137, 1.1, "two thighs and shanks at rest: a singular matrix with positive pivots"),
     (6, 56, 96, 1.3, "slow normal motion of a sliding vertex, which cannot be stopped"),
@@ -28,11 +30,15 @@ const LOADS: [(i64, i64, usize, f64, &str); 6] = [
     (5, 56, 82, 0.8, "a step without a valid state begins with a landing"),
 ];
 
-/// A fall of the study.
-fn fall((seed, samples, index, duration, what): (i64, i64, usize, f64, &str)) -> Metrics {
+/// The start of a fall of the study.
+pub fn simulation((seed, samples, index, duration, _): Fall) -> Simulation {
     let study = Scenario::load(root().join("scenarios/studies/falls.toml")).unwrap();
     let study = study.set("seed", seed).set("sweep.random.samples", samples).set("duration", duration);
-    let mut sim = study.runs().unwrap().remove(index).simulation().unwrap();
+    study.runs().unwrap().remove(index).simulation().unwrap()
+}
+
+fn run_to_end(fall: Fall) -> Metrics {
+    let (mut sim, what) = (simulation(fall), fall.4);
     sim.run_to_end(&mut ()).unwrap_or_else(|e| panic!("{what}: {e}"));
     let m = sim.metrics().clone();
     assert!(m.inconsistent == 0 && m.impacts > 5, "{what}: {m:?}");
@@ -44,7 +50,7 @@ fn fall((seed, samples, index, duration, what): (i64, i64, usize, f64, &str)) ->
 #[test]
 fn falls_keep_the_energy_balance_and_do_not_sink_in() {
     for case in FALLS {
-        let (m, what) = (fall(case), case.4);
+        let (m, what) = (run_to_end(case), case.4);
         // Changes of corners are found up to 1e-9 m.
         assert!(m.max_penetration_m < 1e-8, "{what}: {} m", m.max_penetration_m);
         // Energies are not under error control: at most 1e-5 J here, of 10 to 1000 J.
@@ -56,7 +62,7 @@ fn falls_keep_the_energy_balance_and_do_not_sink_in() {
 #[test]
 fn falls_keep_their_loads_within_the_laws() {
     for case in LOADS {
-        let (m, what) = (fall(case), case.4);
+        let (m, what) = (run_to_end(case), case.4);
         // Rounding of loads of up to 1e4 N.
         assert!(m.max_cone_excess < 1e-8, "{what}: {} N", m.max_cone_excess);
         assert!(m.max_tension_n < 1e-8, "{what}: {} N", m.max_tension_n);

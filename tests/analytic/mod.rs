@@ -12,7 +12,7 @@ mod energy;
 mod estimators;
 mod events;
 mod fallen;
-mod falls;
+pub mod falls;
 mod feet;
 mod flight;
 mod force_sensor;

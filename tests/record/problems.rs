@@ -1,9 +1,9 @@
 //! Tests of recorded contact problems: reading returns the written problem, and solving it again
 //! gives the same bits.
 
-use crate::analytic::support::{root, simulation};
+use crate::analytic::falls;
+use crate::analytic::support::simulation;
 use std::sync::atomic::AtomicBool;
-use stiction::Scenario;
 use stiction::contact::selection_record::{SelectionRecord, SelectionResult};
 use stiction::log::{MAX_PROBLEMS, ProblemRecord, ProblemWriter};
 use stiction::sim::{Observer, Outcome, Problems, SimEvent, Snapshot};
@@ -88,9 +88,7 @@ fn selecting_again_from_the_record_gives_the_same_bits() {
 /// A fall of `scenarios/studies/falls.toml` in which slow motion cannot be stopped: states are chosen again for it.
 #[test]
 fn a_choice_for_motion_that_is_left_is_repeated_from_its_record() {
-    let study = Scenario::load(root().join("scenarios/studies/falls.toml")).unwrap();
-    let study = study.set("seed", 6).set("sweep.random.samples", 56).set("duration", 1.22);
-    let mut sim = study.runs().unwrap().remove(121).simulation().unwrap();
+    let mut sim = falls::simulation((6, 56, 121, 1.22, "slow slip that cannot be stopped"));
     let mut keep = Keep(Problems::All, vec![]);
     assert_eq!(sim.run(&mut keep, &AtomicBool::new(false)).0, Outcome::Passed);
     let records = keep.1.iter().map(|text| serde_json::from_str::<SelectionRecord>(text).unwrap());

@@ -6,6 +6,7 @@ use crate::contact::methods::registry::MethodDescriptor;
 use crate::contact::model::problem::{Problem, Vertex};
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Mode, Pattern, SoleState, States};
+use crate::contact::search::judge::STILL;
 use crate::contact::search::moves::first_mode;
 use crate::contact::search::select::{SearchOrder, Selection, Selector};
 use schemars::JsonSchema;
@@ -24,9 +25,6 @@ pub const DESCRIPTOR: MethodDescriptor = MethodDescriptor {
     unknowns: None,
     solver: |parameters, p| Box::new(Exact::new(parameters.exact, p)),
 };
-
-/// Speed up to which a vertex does not slide on, m/s: rounding.
-const STILL: f64 = 1e-12;
 
 /// Parameters of method `exact`.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -92,9 +90,9 @@ impl ContactSolver for Exact {
             let slow = 10.0 * tol.rest;
             if stops && state.is_dynamic() && fastest <= slow {
                 // Others that touch the floor are at rest by the same resolution.
-                let stops = |v: &Vertex| v.is_near(tol) && v.velocity.xy().norm() <= slow;
+                let rests = |v: &Vertex| v.is_near(tol) && v.velocity.xy().norm() <= slow;
                 for (i, v) in sole.vertices.iter_mut().enumerate() {
-                    if state.clamps(i, k) || stops(v) {
+                    if state.clamps(i, k) || rests(v) {
                         v.settles |= v.moving;
                         v.moving = false;
                     }

@@ -176,6 +176,9 @@ impl Rules {
     }
 }
 
+/// Speed up to which a vertex does not slide on, m/s: rounding.
+pub const STILL: f64 = 1e-12;
+
 /// Bit of `Rules::suspect`: the normal load is in doubt.
 pub const SUSPECT_NORMAL: u8 = 1;
 /// Bit of `Rules::suspect`: the friction load is in doubt.

@@ -118,8 +118,11 @@ fn a_singular_matrix_with_positive_pivots_gets_the_least_norm() {
     let mut v = [-0.48, 0.5, 3e-6, 0.13, -0.012, -3e-6, 0.48, -0.5, -3e-6, -0.13, 0.0117, 3e-6];
     let norm = super::dot(&v, &v).sqrt();
     v.iter_mut().for_each(|x| *x /= norm);
-    // 1 - v v^T, and a solution perpendicular to v.
-    let original: Vec<f64> = (0..N * N).map(|e| f64::from(u8::from(e / N == e % N)) - v[e / N] * v[e % N]).collect();
+    // 1 - part v v^T; singular with all of it. A solution perpendicular to v.
+    let matrix = |part: f64| -> Vec<f64> {
+        (0..N * N).map(|e| f64::from(u8::from(e / N == e % N)) - part * v[e / N] * v[e % N]).collect()
+    };
+    let original = matrix(1.0);
     let along = v.iter().enumerate().map(|(i, v)| v * i as f64).sum::<f64>();
     let truth: Vec<f64> = v.iter().enumerate().map(|(i, v)| i as f64 - along * v).collect();
     let (mut lin, mut a, mut b) = (Linear::new(N), original.clone(), truth.clone());
@@ -127,8 +130,5 @@ fn a_singular_matrix_with_positive_pivots_gets_the_least_norm() {
     assert_eq!(lin.solve_symmetric(&mut a, &mut b), N - 1);
     // Rounding, of a regular part whose eigenvalues are 1.
     assert!(b.iter().zip(&truth).all(|(x, y)| (x - y).abs() < 1e-13), "{b:?}");
-    // With 0.9 v v^T instead it is regular.
-    let regular: Vec<f64> =
-        (0..N * N).map(|e| f64::from(u8::from(e / N == e % N)) - 0.9 * v[e / N] * v[e % N]).collect();
-    assert!(lin.factor_definite(&regular, N));
+    assert!(lin.factor_definite(&matrix(0.9), N));
 }

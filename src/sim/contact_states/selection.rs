@@ -8,7 +8,7 @@ use crate::contact::model::problem::Problem;
 use crate::contact::model::residual;
 use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Pattern, SoleState, States};
-use crate::contact::search::judge::Rules;
+use crate::contact::search::judge::{Rules, STILL};
 use crate::contact::search::select::Selection;
 use crate::sim::event_kind::EventKind;
 use crate::sim::plant::Plant;
@@ -96,7 +96,7 @@ impl RunState {
                     ));
                 }
             }
-            let mut selection = self.select_exhaustively(false, observer)?;
+            let mut selection = self.select(false, observer)?;
             self.count(&selection);
             let mut invalid = !selection.consistent && !self.all_imposed(&selection.assessment);
             // A jam is a solution only if a state is chosen after it. Its law finds out whether finite
@@ -114,7 +114,7 @@ impl RunState {
                     self.deferral = Deferral::Due;
                     break;
                 }
-                selection = self.select_exhaustively(true, observer)?;
+                selection = self.select(true, observer)?;
                 self.count(&selection);
                 invalid = !selection.consistent && !self.all_imposed(&selection.assessment);
             }
@@ -150,7 +150,8 @@ impl RunState {
             leaves_motion = self.confirm_states(observer)?;
         }
         self.plant.evaluate();
-        if (leaves_motion || self.turns_slowly()) && !self.carries_loads() {
+        let may_slide_on = self.locates_events() && self.deferral != Deferral::Due;
+        if may_slide_on && (leaves_motion || self.turns_slowly()) && !self.carries_loads() {
             self.slide_on(observer)?;
         }
         Ok(())
@@ -162,7 +163,7 @@ impl RunState {
         problem.vertex_indices().any(|(s, i)| {
             let v = &problem.soles[s].vertices[i];
             let slides = states[s].is_dynamic() && states[s].clamps(i, problem.soles[s].vertices.len());
-            slides && !v.moving && v.velocity.xy().norm() > NO_CHANGE
+            slides && !v.moving && v.velocity.xy().norm() > STILL
         })
     }
 
@@ -182,7 +183,7 @@ impl RunState {
     fn slide_on(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         self.plant.evaluate_free();
         self.plant.update_directions();
-        let selection = self.select(Rules { stops: false, exhaustive: false, ..self.rules() }, observer)?;
+        let selection = self.select_by(Rules { stops: false, exhaustive: false, ..self.rules() }, observer)?;
         self.count(&selection);
         if selection.consistent {
             self.adopt(selection.states, observer)?;
@@ -198,7 +199,7 @@ impl RunState {
         for _ in 0..ROUNDS {
             self.plant.evaluate_free();
             self.plant.update_directions();
-            let selection = self.select_exhaustively(false, observer)?;
+            let selection = self.select(false, observer)?;
             self.count(&selection);
             if !selection.consistent {
                 break;
@@ -255,12 +256,12 @@ impl RunState {
     }
 
     /// Selects states at the acceleration level, from all of them as a last resort if `exhaustive`.
-    fn select_exhaustively(&mut self, exhaustive: bool, observer: &mut dyn Observer) -> Result<Selection, RunError> {
-        self.select(Rules { exhaustive, ..self.rules() }, observer)
+    fn select(&mut self, exhaustive: bool, observer: &mut dyn Observer) -> Result<Selection, RunError> {
+        self.select_by(Rules { exhaustive, ..self.rules() }, observer)
     }
 
-    /// Selects states at the acceleration level.
-    fn select(&mut self, rules: Rules, observer: &mut dyn Observer) -> Result<Selection, RunError> {
+    /// Selects states at the acceleration level, by these rules.
+    fn select_by(&mut self, rules: Rules, observer: &mut dyn Observer) -> Result<Selection, RunError> {
         self.before_selection.copy_from(&self.plant.solution);
         let forced = self.forced(self.plant.state.time);
         let allowed = |s: usize, state: SoleState| forced[s].is_none_or(|f: SoleState| f == state);
