@@ -21,8 +21,9 @@
 //! tolerances of the integrator. The energy flows are extrapolated likewise. A step that contains an
 //! impact misses the tolerances at any size: the shortest is then accepted with y = y2, as a
 //! combination across a jump of velocities would not conserve energy. Where bodies rattle, most steps
-//! contain impacts, and the shortest size grows: smaller steps would not be more accurate. Then the
-//! drift of clamped vertices is removed, as after every step.
+//! contain impacts, and the shortest size grows: smaller steps would not be more accurate. It stays where e
+//! grows with it: vertices that slide and stop in turn make e = O(h). Then the drift of clamped vertices is
+//! removed, as after every step.
 //!
 //! The run also advances so where the direct search finds no valid state at an instant, instead of
 //! searching all states: near jams, or where a vertex about which a sole turns begins to slip.
@@ -63,6 +64,9 @@ const FIRST_STEP: f64 = 2e-5;
 /// Steps that may miss the tolerances before the shortest becomes longer, and its greatest size, s.
 const MISSES: i32 = 8;
 const LONGEST_LEAST: f64 = 1e-4;
+/// Growth of errors with twice the size from which it is no longer used: they are the same for impacts, twice as
+/// large where accelerations jump.
+const GROWS: f64 = 1.5;
 /// Size of fixed-step integrators' velocity-level steps, relative to their step.
 const OF_FIXED: f64 = 0.1;
 
@@ -93,6 +97,11 @@ pub struct SlidingMode {
     /// Size of the shortest step, s, and how many steps more have missed the tolerances since than have met them.
     least: f64,
     misses: i32,
+    /// Sum of the errors of those that have missed them, and their number; their mean at half the size; the size up
+    /// to which the shortest may grow, s.
+    missed: (f64, u32),
+    missed_before: f64,
+    longest_least: f64,
     /// The integrator's vector at the start of a step, after one step, and after two halves.
     start: Vec<f64>,
     whole: Vec<f64>,
@@ -130,6 +139,9 @@ impl SlidingMode {
             control: StepControl::new(2),
             least: Self::SHORTEST,
             misses: 0,
+            missed: (0.0, 0),
+            missed_before: f64::INFINITY,
+            longest_least: LONGEST_LEAST,
             start: vec![0.0; n],
             whole: vec![0.0; n],
             halves: vec![0.0; n],
@@ -205,7 +217,8 @@ impl SlidingMode {
         self.stay = if t < self.passed { (2.0 * self.stay).clamp(first, longest) } else { first };
         (self.is_active, self.since, self.trial, self.h) = (true, t, t + self.stay, FIRST_STEP);
         self.control = StepControl::new(2);
-        (self.misses, self.least) = (0, Self::SHORTEST);
+        (self.misses, self.least, self.longest_least) = (0, Self::SHORTEST, LONGEST_LEAST);
+        (self.missed, self.missed_before) = ((0.0, 0), f64::INFINITY);
     }
 
     /// Ends the mode: chooses states for located events.
@@ -323,13 +336,25 @@ impl SlidingMode {
     }
 
     /// Doubles the shortest size after [`MISSES`] more steps that have missed the tolerances than have met them, and
-    /// halves it after as many the other way round.
+    /// halves it after as many the other way round, or if the errors have grown with it: it is no impact then that
+    /// misses them.
     fn adapt_least(&mut self, error: f64) {
         self.misses += if error <= 1.0 { -1 } else { 1 };
-        if self.misses.abs() == MISSES {
-            let factor = if self.misses > 0 { 2.0 } else { 0.5 };
-            (self.misses, self.least) = (0, (factor * self.least).clamp(Self::SHORTEST, LONGEST_LEAST));
+        if error > 1.0 {
+            self.missed = (self.missed.0 + error, self.missed.1 + 1);
         }
+        if self.misses.abs() < MISSES {
+            return;
+        }
+        let mean = self.missed.0 / f64::from(self.missed.1.max(1));
+        let has_grown = self.misses > 0 && mean > GROWS * self.missed_before;
+        let factor = if self.misses > 0 && !has_grown { 2.0 } else { 0.5 };
+        if has_grown {
+            self.longest_least = 0.5 * self.least;
+        }
+        self.missed_before = if factor > 1.0 { mean } else { f64::INFINITY };
+        self.least = (factor * self.least).min(self.longest_least).max(Self::SHORTEST);
+        (self.misses, self.missed) = (0, (0.0, 0));
     }
 
     /// One velocity-level step of size `h` to the time `end`, with its contact states and without
