@@ -150,9 +150,15 @@ impl RunState {
             leaves_motion = self.confirm_states(observer)?;
         }
         self.plant.evaluate();
-        let may_slide_on = self.locates_events() && self.deferral != Deferral::Due;
-        if may_slide_on && (leaves_motion || self.turns_slowly()) && !self.carries_loads() {
-            self.slide_on(observer)?;
+        if self.locates_events() && self.deferral != Deferral::Due && !self.carries_loads() {
+            if leaves_motion || self.turns_slowly() {
+                self.slide_on(observer)?;
+            }
+            if self.defers() && !self.carries_loads() {
+                // The states hold for velocities or polygons that are no longer the present ones.
+                self.plant.evaluate_free();
+                self.deferral = Deferral::Due;
+            }
         }
         Ok(())
     }
@@ -171,10 +177,10 @@ impl RunState {
     fn carries_loads(&mut self) -> bool {
         let plant = &mut self.plant;
         // The next choice begins with forces before they are shared.
-        let saved = plant.solution.clone();
+        self.before_selection.copy_from(&plant.solution);
         plant.share_forces();
         let loads = residual::loads(&plant.problem, &plant.states, &plant.solution);
-        plant.solution = saved;
+        plant.solution.copy_from(&self.before_selection);
         loads.excess() <= EXCESS * plant.problem.scale
     }
 
