@@ -5,10 +5,11 @@ use crate::collision::spatial::shape_points;
 use crate::dynamics::reduced::{BodyId, Mechanisms};
 use crate::dynamics::{State, Workspace, kinematics};
 use crate::patches::{ConvexBody, touchable_depth};
-use crate::robot::{Base, Geometry, Link, LinkId, Model, Sole};
+use crate::robot::{Base, Geometry, Link, LinkId, Model, Shape, Sole};
 use crate::scenario::{Diagnostic, Run, TouchingParts};
 use crate::sim::Floor;
 use crate::sim::bodies::{Body, FLOOR, FloorFriction, Host, Pair, PairRules, pairs};
+use crate::sim::floor::{is_near, is_on_ball};
 use crate::sim::plant::objects::named_links;
 use crate::sim::setup::Start;
 use crate::terrain::{Terrain, TerrainPiece};
@@ -19,45 +20,59 @@ use nalgebra::Vector3;
 pub(super) fn robot_bodies(model: &Model, run: &Run, resolution: usize) -> Vec<Body> {
     let s = &run.scenario;
     let is_scene = !s.terrain.is_empty() || !s.object.is_empty() || s.robot.self_contact;
-    let body = |name: &str, link: LinkId, shape: ConvexBody| {
+    let body = |name: &str, link: LinkId, shape: ConvexBody, meets_floor: bool| {
         let host = Host::Link(BodyId { mechanism: 0, link });
-        Body { name: name.into(), host, shape, friction: None, floor: FloorFriction::None }
+        Body { name: name.into(), host, shape, friction: None, meets_floor, floor: FloorFriction::None }
     };
     match s.robot.contact {
         TouchingParts::Soles => {
-            let of_sole = |sole: &Sole| Some(body(&sole.name, sole.link, flat_body(&sole.vertices)?));
+            let of_sole = |sole: &Sole| Some(body(&sole.name, sole.link, flat_body(&sole.vertices)?, false));
             model.soles.iter().filter_map(of_sole).collect()
         }
         TouchingParts::Bodies => {
-            let shapes = if is_scene { link_shapes(model, resolution) } else { round_shapes(model) }.into_iter();
-            shapes.map(|(link, shape)| body(&model.links[link.0].name, link, shape)).collect()
+            let mut shapes = link_shapes(model, resolution);
+            shapes.retain(|shape| is_scene || shape.meets_floor);
+            let name = |link: LinkId| &model.links[link.0].name;
+            shapes.into_iter().map(|s| body(name(s.link), s.link, s.shape, s.meets_floor)).collect()
         }
     }
 }
 
-/// Shapes of all links: of one with a single round collision shape and without soles that shape, of others
-/// the convex hull of their shapes and soles. `resolution` is the number of corners to a circle.
-pub(super) fn link_shapes(model: &Model, resolution: usize) -> Vec<(LinkId, ConvexBody)> {
-    let of_link = |(i, link): (usize, &Link)| {
-        if let Some(shape) = round_shape(model, LinkId(i)) {
-            return Some((LinkId(i), shape));
-        }
-        let soles = model.soles.iter().filter(|sole| sole.link.0 == i).flat_map(|sole| &sole.vertices);
-        let shapes = link.collisions.iter().flat_map(|shape| shape_points(shape, resolution));
-        let points: Vec<Vector3<f64>> = shapes.chain(soles.copied()).collect();
-        Some((LinkId(i), ConvexBody::from_points(&points).or_else(|| flat_body(&points))?))
+/// A body of a link.
+pub(super) struct LinkShape {
+    pub link: LinkId,
+    pub shape: ConvexBody,
+    /// Whether the plane of the floor meets the exact surface of this shape.
+    pub meets_floor: bool,
+}
+
+/// Shapes of all links: each round collision shape, and the convex hull of the others and the soles. A vertex of a
+/// sole on a ball of its link is left out.
+pub(super) fn link_shapes(model: &Model, resolution: usize) -> Vec<LinkShape> {
+    let of_link = |(i, link): (usize, &Link)| -> Vec<LinkShape> {
+        let id = LinkId(i);
+        let soles = model.soles.iter().filter(|sole| sole.link == id).flat_map(|sole| &sole.vertices);
+        let soles = soles.filter(|v| !link.collisions.iter().any(|shape| is_on_ball(shape, v)));
+        let angular = link.collisions.iter().filter(|shape| round_body(shape).is_none());
+        let points: Vec<Vector3<f64>> =
+            angular.flat_map(|shape| shape_points(shape, resolution)).chain(soles.copied()).collect();
+        let hull = ConvexBody::from_points(&points).or_else(|| flat_body(&points));
+        let hull = hull.map(|shape| LinkShape { link: id, shape, meets_floor: false });
+        let round = link.collisions.iter().filter_map(|shape| {
+            Some(LinkShape { link: id, shape: round_body(shape)?, meets_floor: rolls_on_floor(model, id, shape) })
+        });
+        hull.into_iter().chain(round).collect()
     };
-    model.links.iter().enumerate().filter_map(of_link).collect()
+    model.links.iter().enumerate().flat_map(of_link).collect()
 }
 
-fn round_shapes(model: &Model) -> Vec<(LinkId, ConvexBody)> {
-    let links = (0..model.links.len()).map(LinkId);
-    links.filter_map(|link| Some((link, round_shape(model, link)?))).collect()
+/// Whether the floor meets the exact surface of this shape: of round ones that are not near a sole of their link.
+pub(super) fn rolls_on_floor(model: &Model, link: LinkId, shape: &Shape) -> bool {
+    round_body(shape).is_some() && model.soles.iter().filter(|sole| sole.link == link).all(|sole| !is_near(sole, shape))
 }
 
-/// The shape of a link with one round collision shape and without soles.
-pub(super) fn round_shape(model: &Model, link: LinkId) -> Option<ConvexBody> {
-    let [shape] = &model.links[link.0].collisions[..] else { return None };
+/// The body of a shape with a round surface.
+fn round_body(shape: &Shape) -> Option<ConvexBody> {
     let body = match shape.geometry {
         Geometry::Sphere(radius) => ConvexBody::ball(radius),
         Geometry::Capsule(radius, length) => ConvexBody::capsule(0.5 * length, radius),
@@ -66,8 +81,7 @@ pub(super) fn round_shape(model: &Model, link: LinkId) -> Option<ConvexBody> {
         Geometry::Box(_) | Geometry::Mesh(..) => return None,
     };
     let has_volume = body.radius > 0.0 && body.inner + body.edge_rounding() > 0.0;
-    let has_sole = model.soles.iter().any(|sole| sole.link == link);
-    (has_volume && !has_sole).then(|| body.placed(&shape.pose))
+    has_volume.then(|| body.placed(&shape.pose))
 }
 
 /// A convex polygon, a line or a point.
@@ -78,11 +92,6 @@ fn flat_body(points: &[Vector3<f64>]) -> Option<ConvexBody> {
         [from, to] => ConvexBody::segment([*from, *to]),
         polygon => ConvexBody::plate(polygon),
     }
-}
-
-/// Whether a body of a robot meets the floor as a pair: hulls do with polygons of their faces.
-pub(super) fn rolls(body: &Body) -> bool {
-    body.link().is_some_and(|link| link.mechanism == 0) && body.shape.is_round()
 }
 
 /// The bodies of a run and the pairs that may touch besides terrain: objects with the floor, with each
@@ -103,6 +112,7 @@ pub(super) fn bodies(
             host: Host::World(floor.rotation, floor.point),
             shape: ConvexBody::half_space(),
             friction: None,
+            meets_floor: false,
             floor: FloorFriction::Regions,
         });
     }
@@ -114,6 +124,7 @@ pub(super) fn bodies(
             host: Host::Link(BodyId { mechanism: 1 + o, link: *link }),
             shape: shape.clone(),
             friction: object.friction,
+            meets_floor: true,
             floor: FloorFriction::None,
         }));
     }
@@ -131,8 +142,8 @@ pub(super) fn bodies(
         }
         // Hulls and soles of the robot touch the floor with their own polygons. No object touches itself.
         let is_floor = |body: &Body| body.shape.is_half_space();
-        let is_own = (one.max(other) == Some(0)) && !(is_floor(a) && rolls(b) || is_floor(b) && rolls(a));
-        one != other && !is_own && !(is_fixed(a) && is_fixed(b))
+        let on_floor = is_floor(a) || is_floor(b);
+        one != other && (!on_floor || a.meets_floor || b.meets_floor) && !(is_fixed(a) && is_fixed(b))
     };
     let may_touch = |a: &Body, b: &Body| may_touch(a, b) && rules.touches(&a.name, &b.name);
     let pairs = pairs::pairs(&bodies, may_touch, |a, b| rules.friction(&a.name, &b.name));

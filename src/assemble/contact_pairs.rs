@@ -69,11 +69,11 @@ pub(super) fn own_pairs(
     state.joints.copy_from_slice(&start.joints);
     kinematics::update(model, &state, &mut ws);
     let collision = shared_model(model, &robot.self_collision);
-    let body = |link: LinkId| bodies.iter().find(|body| body.link().is_some_and(|of| of.link == link));
+    let of_link = |link: LinkId| bodies.iter().filter(move |body| body.link().is_some_and(|of| of.link == link));
     let overlaps = |[a, b]: &[LinkId; 2]| {
-        let (Some(a), Some(b)) = (body(*a), body(*b)) else { return false };
         let placement = |body: &Body| body.placement((&ws).into());
-        touchable_depth(&a.shape, &placement(a), &b.shape, &placement(b)) > 0.0
+        let depth = |a: &Body, b: &Body| touchable_depth(&a.shape, &placement(a), &b.shape, &placement(b));
+        of_link(*a).any(|a| of_link(*b).any(|b| depth(a, b) > 0.0))
     };
     let links = collision.pairs.iter().map(|pair| pair.bodies.map(|b| collision.bodies[b].link));
     let (apart, overlapping): (Vec<_>, Vec<_>) = links.partition(|pair| !overlaps(pair));

@@ -69,7 +69,9 @@ pub fn setup_with(run: &Run, robot: &Robot, models: &[Arc<Robot>]) -> Result<Set
     let plane = s.floor.plane.then_some(Plane { rotation: floor.rotation, point: floor.point });
     let terrain = terrain::terrain(run, plane, &mut notes, &mut errors);
     let touching_links = (s.robot.contact == TouchingParts::Bodies && s.floor.plane).then(|| {
-        LinkHull::of_model(&model, robot.self_collision.resolution, |link| bodies::round_shape(&model, link).is_some())
+        LinkHull::of_model(&model, robot.self_collision.resolution, |link, shape| {
+            bodies::rolls_on_floor(&model, link, shape)
+        })
     });
     let touching = bodies::robot_bodies(&model, run, robot.self_collision.resolution);
     let hulls = touching_links.as_deref();
@@ -116,10 +118,12 @@ pub fn setup_with(run: &Run, robot: &Robot, models: &[Arc<Robot>]) -> Result<Set
     } else {
         Vec::new()
     };
-    let bodies = if objects.is_empty() && terrain.is_empty() && own.is_empty() && !touching.iter().any(bodies::rolls) {
-        Default::default()
-    } else {
+    let meets_floor = touching.iter().any(|body| body.meets_floor);
+    let may_touch = meets_floor || !objects.is_empty() || !terrain.is_empty() || !own.is_empty();
+    let bodies = if may_touch {
         bodies::bodies(&model, touching, &own, &floor, &objects, &pair_rules)
+    } else {
+        Default::default()
     };
     if let Some(error) = bodies::overlap(run, &model, &start, &objects, &bodies, &terrain, &pair_rules) {
         return Err(Diagnostics(vec![error]));

@@ -84,7 +84,8 @@ pub(super) fn object(
         check_range(run, spec, &model, (&path, "target"), id.0, q, errors);
         held[id.0] = q;
     }
-    let bodies = link_shapes(&model, robot.self_collision.resolution);
+    let bodies = link_shapes(&model, robot.self_collision.resolution).into_iter();
+    let bodies = bodies.map(|body| (body.link, body.shape)).collect();
     let command = Command::hold(&model, &held);
     let joint_stops = spec.joint_limits == JointLimits::Stop;
     let friction = own_friction(entry);

@@ -5,7 +5,6 @@
 //! negative at all, the greatest root is found from its least value upward. The rise is the greatest
 //! root over all pairs, or what the floor needs.
 
-use crate::assemble::bodies::rolls;
 use crate::assemble::start::LINK_DEPTH;
 use crate::dynamics::{State, Workspace, kinematics};
 use crate::patches::{ConvexBody, Placement, separation};
@@ -58,7 +57,7 @@ impl Ground<'_> {
             hull.heights(ws, self.floor, 0.0, |_, height| links = links.min(height));
         }
         let normal: Vector3<f64> = self.floor.rotation.column(2).into();
-        for body in self.bodies.iter().filter(|body| self.hulls.is_some() && rolls(body)) {
+        for body in self.bodies.iter().filter(|body| self.hulls.is_some() && body.meets_floor) {
             let at = body.placement(ws.into());
             let least = body.shape.least(&at.rotation.tr_mul(&normal)) - body.shape.rounding;
             links = links.min(self.floor.height(&at.position) + least);

@@ -59,6 +59,9 @@ impl Crossing {
         (of_owner, sign_owner): (&Border, f64),
         (of_other, sign_other): (&Border, f64),
     ) -> Option<Self> {
+        // Lengths along a line of I are those of its image in the plane: a steep one leaves its ends behind as fast as
+        // it is told apart from them there.
+        let level = |e: &Vector3<f64>| (e - m * m.dot(e)).norm();
         match (*of_owner, *of_other) {
             (Border::Line { start: q0, along: side, length }, Border::Line { start, along: e, length: own }) => {
                 let q = m.cross(&side);
@@ -66,7 +69,7 @@ impl Crossing {
                 let s = q.dot(&(q0 - start)) / across;
                 let z = start + e * s;
                 let t = side.dot(&(z - q0));
-                let g = s.min(own - s).min(t).min(length - t);
+                let g = (s.min(own - s) * level(&e)).min(t).min(length - t);
                 (across.abs() > LEVEL).then_some(Crossing { z, e, q, g })
             }
             (Border::Line { start: q0, along: side, length }, Border::Circle { centre, axis, radius }) => {
@@ -92,7 +95,8 @@ impl Crossing {
                 let half = ((radius * radius - off * off).max(0.0) / square).sqrt();
                 let s = middle + half * sign_owner;
                 let z = start + e * s;
-                Some(Crossing { z, e, q: flat(&(z - centre)) / radius, g: (radius - off).min(s).min(length - s) })
+                let g = (radius - off).min(s.min(length - s) * square.sqrt());
+                Some(Crossing { z, e, q: flat(&(z - centre)) / radius, g })
             }
             (Border::Circle { centre, radius, .. }, Border::Circle { centre: other, axis, radius: own }) => {
                 let between = other - centre;

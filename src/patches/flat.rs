@@ -17,7 +17,9 @@
 //!
 //! ```text
 //! + d or - d, + g or - g                        vertices, crossings; + for corners
+//! - d                                           vertices with a crossing in their place
 //! height of x                                   vertices x of I outside its face
+//! height of x + `DIPPED`                        vertices x of its face outside O
 //! R (|P m| - 1/2) or, if that is less,
 //! R |P m| (u . w - 1/2)                         w: u when the topology was made
 //! R (|P m| - `LANDED`)                           rims: the end is not flat
@@ -49,14 +51,23 @@ const LANDED: f64 = 1e-6;
 /// Sine of the tilt below which w must be near u. Below half of it the rim point keeps to the side of w.
 const STEEP: f64 = 0.5;
 
+/// Depth below the plane of the owner, m, of a point of the incident face outside the owner. Beyond it the bodies have
+/// turned about a crossing, and touch along its rim and edge.
+const DIPPED: f64 = 1e-6;
+
 /// Sine of a tilt up to which an end has no direction of its own.
 const LEVEL: f64 = 1e-7;
+
+/// Distance of a load from a crossing, m, at which it is there.
+const AT_CROSSING: f64 = 1e-6;
 
 /// A point of the patch while it is made.
 struct Point {
     corner: Corner,
     x: Vector3<f64>,
     rank: u8,
+    /// Whether it is a vertex with a crossing in its place.
+    is_crossed: bool,
 }
 
 /// Owner and other body in the world.
@@ -295,10 +306,11 @@ impl<'a> Flat<'a> {
         if points.len() > MAX_CORNERS {
             points.truncate(MAX_CORNERS);
         }
-        out.corners.extend(points.iter().map(|point| point.corner));
         if !is_owner_b {
-            out.corners.reverse();
+            points.reverse();
         }
+        out.corners.extend(points.iter().map(|point| point.corner));
+        out.crossed = points.iter().rev().fold(0, |bits, point| bits << 1 | u64::from(point.is_crossed));
         out.incident = self.incident;
         let used = |body: &ConvexBody, ring: Vector3<f64>| if body.barrel.is_some() { ring } else { Vector3::zeros() };
         let rings = [used(owner, self.rings[0]), used(other, self.rings[1])];
@@ -351,9 +363,14 @@ impl<'a> Flat<'a> {
     }
 
     /// The rings turned towards the load at `x`, world, m, which is on a side of the polygon between two points
-    /// of a ring: `None` if no ring has such a side. In the order of the topology.
-    pub fn turned(&self, x: &Vector3<f64>) -> Option<[Vector3<f64>; 2]> {
+    /// of a ring: `None` if no ring has such a side. In the order of the topology. A crossing is on the rim, and stays
+    /// there: a point of the ring in its place would leave it.
+    pub fn turned(&self, topology: &Topology, x: &Vector3<f64>) -> Option<[Vector3<f64>; 2]> {
         let Roles { owner, owner_at, face, other, other_at, is_owner_b, .. } = self.roles;
+        let mut crossings = topology.corners.iter().filter(|corner| self.roles.crossing(corner).is_some());
+        if crossings.any(|crossing| (self.corner(crossing).0 - x).norm() <= AT_CROSSING) {
+            return None;
+        }
         let toward = |body: &ConvexBody, at: &Placement, end: u16, ring: &Vector3<f64>| {
             let radius = body.barrel?;
             let across = body.across(&(at.rotation.tr_mul(&(x - at.position)) - body.vertex(end)));
@@ -394,13 +411,13 @@ impl<'a> Flat<'a> {
         let roles = &self.roles;
         self.visit_other(&mut |k, x| {
             if self.inside_owner(&x) >= -RESOLUTION {
-                points.push(Point { corner: roles.incident_corner(k), x, rank: 2 });
+                points.push(Point { corner: roles.incident_corner(k), x, rank: 2, is_crossed: false });
             }
         });
         if self.has_inside() {
             self.visit_owner(&mut |k, x| {
                 if self.inside_other(&x) >= -RESOLUTION {
-                    points.push(Point { corner: roles.owner_corner(k), x, rank: 1 });
+                    points.push(Point { corner: roles.owner_corner(k), x, rank: 1, is_crossed: false });
                 }
             });
         }
@@ -408,7 +425,7 @@ impl<'a> Flat<'a> {
             if let Some(Crossing { z, g, .. }) = self.crossing(k, l)
                 && g > 0.0
             {
-                points.push(Point { corner: roles.crossing_corner(k, l), x: z, rank: 0 });
+                points.push(Point { corner: roles.crossing_corner(k, l), x: z, rank: 0, is_crossed: false });
             }
         });
         let (m, first) = (self.m, m_across(&self.m));
@@ -417,8 +434,9 @@ impl<'a> Flat<'a> {
         points.sort_by_key(|point| std::cmp::Reverse(point.rank));
         let mut kept: Vec<Point> = Vec::with_capacity(points.len());
         for point in points {
-            if kept.iter().all(|other| flat(&(other.x - point.x)).norm() > RESOLUTION) {
-                kept.push(point);
+            match kept.iter_mut().find(|other| flat(&(other.x - point.x)).norm() <= RESOLUTION) {
+                Some(other) => other.is_crossed |= other.rank > 0 && point.rank == 0,
+                None => kept.push(point),
             }
         }
         let mean = kept.iter().map(|point| point.x).sum::<Vector3<f64>>() / kept.len().max(1) as f64;
@@ -435,6 +453,16 @@ impl<'a> Flat<'a> {
         let Roles { owner, other, other_at, .. } = self.roles;
         let signed = |is_corner: bool, value: f64| if is_corner { value } else { -value };
         let is_in = |corner: Corner| topology.corners.contains(&corner);
+        let is_crossed = |corner: Corner| {
+            let at = topology.corners.iter().position(|other| *other == corner);
+            at.is_some_and(|c| topology.crossed >> c & 1 == 1)
+        };
+        let vertex = |f: &mut dyn FnMut(f64), corner: Corner, inside: f64| {
+            f(signed(is_in(corner), inside));
+            if is_crossed(corner) {
+                f(-inside);
+            }
+        };
         if let Some(radius) = other.barrel {
             let across = other.across(&self.down());
             let tilt = across.norm();
@@ -455,10 +483,16 @@ impl<'a> Flat<'a> {
             }
         }
         if !owner.is_half_space() {
-            self.visit_other(&mut |k, x| f(signed(is_in(self.roles.incident_corner(k)), self.inside_owner(&x))));
+            self.visit_other(&mut |k, x| {
+                let corner = self.roles.incident_corner(k);
+                vertex(f, corner, self.inside_owner(&x));
+                if self.incident.is_some() && !is_in(corner) {
+                    f(self.height(&x) - other.rounding + DIPPED);
+                }
+            });
         }
         if self.incident.is_some() {
-            self.visit_owner(&mut |k, x| f(signed(is_in(self.roles.owner_corner(k)), self.inside_other(&x))));
+            self.visit_owner(&mut |k, x| vertex(f, self.roles.owner_corner(k), self.inside_other(&x)));
         }
         self.visit_pairs(&mut |k, l| {
             let g = self.crossing(k, l).map_or(f64::NEG_INFINITY, |crossing| crossing.g);

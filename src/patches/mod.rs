@@ -200,6 +200,9 @@ pub struct Topology {
     axis: u8,
     /// Directions w of the first points of the rings of A and B, in their frames; see `cylinder`.
     rings: [Vector3<f64>; 2],
+    /// A bit for each corner that is a vertex on the border of a cylinder, or of what touches one, with a crossing in
+    /// its place: the crossing appears when the vertex moves inside.
+    crossed: u64,
     /// Added to the functions of `validity`, in their order, so that none is zero at the start, m.
     offsets: Vec<f64>,
 }
@@ -214,6 +217,7 @@ impl Topology {
             sign: 1.0,
             axis: 0,
             rings: [Vector3::zeros(); 2],
+            crossed: 0,
             offsets: Vec::new(),
         }
     }

@@ -12,7 +12,7 @@ pub fn turn_ring(
     (a, pa): (&ConvexBody, &Placement),
     (b, pb): (&ConvexBody, &Placement),
 ) -> Option<Topology> {
-    let rings = Flat::new(topology, [(a, pa), (b, pb)])?.turned(load)?;
+    let rings = Flat::new(topology, [(a, pa), (b, pb)])?.turned(topology, load)?;
     let mut turned = Topology { rings, ..topology.clone() };
     let (owner, incident) = (topology.owner, topology.incident);
     super::clipping::topology(a, pa, b, pb, RESOLUTION, owner, incident, &mut turned).then_some(turned)

@@ -24,6 +24,7 @@ mod incline;
 mod jump;
 mod keyframes;
 mod landing;
+mod link_shapes;
 mod many_contacts;
 mod object_forces;
 mod object_models;

@@ -245,3 +245,84 @@ fn rims_and_sides_leave_faces_at_their_borders() {
         }
     }
 }
+
+/// A roof with its ridge along x at height 0 and y = `y`, 1.2 m long, under the end of a cylinder with radius 0.2.
+fn on_ridge(y: f64, end: Placement) -> Pair {
+    let roof = ConvexBody::cuboid(Vector3::new(0.6, 0.5, 0.5));
+    let slope = turn(Vector3::x() * -0.05);
+    let ridge = slope * Vector3::new(0.0, -0.5, 0.5);
+    let below = Placement::at_rest(slope, Vector3::new(0.0, y, 0.0) - ridge);
+    Pair::new(&pillar(), end, &roof, below)
+}
+
+const END: Owner = Owner::FaceOfA(0);
+
+/// A point of a ring on a border has the place of the rim's crossing, which appears when the point moves inside.
+#[test]
+fn a_point_of_a_ring_on_a_border_has_an_event_when_it_moves_inside() {
+    let upright = level(0.0, 0.0, 0.5);
+    let first = pillar().any_across();
+    let point = turn(Vector3::z() * std::f64::consts::TAU * -2.0 / RING as f64) * first * 0.2;
+    let pair = |inside: f64| on_ridge(point.y - inside, upright);
+    let held = pair(0.0).topology(END, 1e-9);
+    let crossings = |held: &Topology| held.corners.iter().filter(|c| matches!(c, Corner::Crossing { .. })).count();
+    assert!(crossings(&held) < 2, "{:?}", held.corners);
+    assert!((root(|y| pair(y).validity(&held), 0.0, 1e-6) - RESOLUTION).abs() < 1e-14);
+    assert!((root(|y| pair(-y).validity(&held), 0.0, 1e-6) - RESOLUTION).abs() < 1e-14);
+    assert_eq!(crossings(&pair(1e-7).topology(END, 1e-9)), 2);
+    // No load at a crossing turns a point of the ring to it.
+    let next = pair(1e-7);
+    let held = next.topology(END, 1e-9);
+    let corners = next.geometry(&held).points;
+    let at = |corner: &Corner| matches!(corner, Corner::Crossing { .. });
+    for c in (0..corners.len()).filter(|&c| at(&held.corners[c])) {
+        assert!(turn_ring(&held, &corners[c].position, (&next.a, &next.pa), (&next.b, &next.pb)).is_none());
+    }
+}
+
+/// An end that turns about a crossing of its rim and the ridge is left when the end of the ridge is 1e-6 m above its
+/// plane; the rim and the ridge then own the plane, with the same normal.
+#[test]
+fn an_end_that_turns_about_a_crossing_hands_over_to_its_rim() {
+    let y = 0.05;
+    let x = (0.2f64 * 0.2 - y * y).sqrt();
+    let pair = |t: f64| {
+        let rotation = turn(Vector3::y() * t);
+        let pivot = Vector3::new(x, y, -0.5);
+        on_ridge(y, Placement::at_rest(rotation, Vector3::new(x, y, 0.0) - rotation * pivot))
+    };
+    let held = pair(0.0).topology(END, 1e-9);
+    let dipped = root(|t| pair(t).validity(&held), 0.0, 0.1);
+    assert!((dipped.sin() - 1e-6 / (0.6 - x)).abs() < 1e-12, "{dipped}");
+    let next = pair(dipped);
+    let found = next.separation();
+    assert!(found.distance.abs() < 1e-12 && matches!(found.owner, Some(Owner::Curved(..))), "{found:?}");
+    let rim = next.geometry(&next.topology(found.owner.unwrap(), 1e-9));
+    let end = next.geometry(&held);
+    assert!((rim.axes.column(2) - end.axes.column(2)).norm() < 1e-5);
+}
+
+/// Where a steep side leaves a border, its crossing is told apart from its end after a few events, not after one for
+/// each nanometre of its length.
+#[test]
+fn a_steep_side_leaves_a_border_with_few_events() {
+    let cube = ConvexBody::cuboid(Vector3::new(0.5, 0.5, 0.5));
+    let rotation = turn(Vector3::y() * 0.02);
+    let low = rotation * Vector3::new(0.2, 0.0, -0.5);
+    let high = rotation * Vector3::new(0.2, 0.0, 0.5);
+    // The upper end of the side is above the border at x = 0.
+    let pair = |x: f64| {
+        let position = Vector3::new(0.5 + x - high.x, 0.0, 0.5 - low.z);
+        Pair::new(&pillar(), Placement::at_rest(rotation, position), &cube, level(0.0, 0.0, 0.0))
+    };
+    let face = cube.faces.iter().position(|face| face.normal.z > 0.5).unwrap() as u16;
+    let (mut x, mut events) = (-1e-3, 0);
+    let mut held = pair(x).topology(Owner::FaceOfB(face), 1e-9);
+    while !held.corners.iter().any(|corner| matches!(corner, Corner::Crossing { .. })) {
+        x = root(|x| pair(x).validity(&held), x, x + 1e-2) + 1e-14;
+        held = pair(x).topology(Owner::FaceOfB(face), 1e-9);
+        events += 1;
+        assert!(events < 4, "{x} {:?}", held.corners);
+    }
+    assert!((1..4).contains(&events) && x.abs() < 1e-8, "{x}");
+}

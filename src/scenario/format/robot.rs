@@ -135,9 +135,8 @@ impl Default for JointDefault {
 pub enum TouchingParts {
     /// The soles only.
     Soles,
-    /// The soles, and all links with their collision shapes. One ball, capsule or cylinder of a link without soles
-    /// touches as such; several shapes touch with their convex hull. Corners of a hull within 1 cm of a sole of its
-    /// link do not touch the floor.
+    /// The soles, and all links: each ball, capsule and cylinder, and the convex hull of the other shapes of a link.
+    /// A sole stands for what is within 1 cm of it on its link.
     #[default]
     Bodies,
 }

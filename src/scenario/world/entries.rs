@@ -230,10 +230,13 @@ impl<'a, 's> Entries<'a, 's> {
             let message = format!("model `{}` has one friction for all its shapes: {} counts", model.name, mus[0]);
             self.remark(Severity::Warning, span.clone(), message);
         }
-        for link in resolved.links.iter().filter(|link| link.collisions.len() > 1) {
+        for link in &resolved.links {
+            let count = link.collisions.iter().filter(|(_, shape)| !rolls(&shape.geometry)).count();
+            if count < 2 {
+                continue;
+            }
             let span = self.spans.of(&link.link.at);
-            let count = link.collisions.len();
-            let message = format!("link `{}` touches with the convex hull of its {count} shapes", link.name);
+            let message = format!("link `{}` touches with the convex hull of {count} of its shapes", link.name);
             self.remark(Severity::Warning, span, message);
         }
         let file = format!("{}#{}", self.file, model.name);
@@ -248,6 +251,11 @@ impl<'a, 's> Entries<'a, 's> {
 fn is_round(geometry: &Geometry) -> bool {
     use Geometry::{Capsule, Cylinder, Ellipsoid, Hull, Sphere};
     matches!(geometry, Sphere(_) | Cylinder(..) | Capsule(..) | Ellipsoid(_) | Hull(None))
+}
+
+/// Shapes that a link touches with as such, not with a hull.
+fn rolls(geometry: &Geometry) -> bool {
+    matches!(geometry, Geometry::Sphere(_) | Geometry::Cylinder(..) | Geometry::Capsule(..))
 }
 
 fn piece_name(model: &Model, resolved: &Resolved, shapes: usize, link: &ResolvedLink, shape: &Shape) -> String {

@@ -74,6 +74,8 @@ pub struct Body {
     pub shape: ConvexBody,
     /// Its friction, if it has its own.
     pub friction: Option<Friction>,
+    /// Whether it meets the plane of the floor as a pair. Soles and hulls of the robot have polygons on it without.
+    pub meets_floor: bool,
     /// Friction that it has in common with the floor: of the floor itself, and of terrain without its own.
     pub floor: FloorFriction,
 }
@@ -94,6 +96,7 @@ impl Body {
                 mu_k: piece.mu_k,
                 extra: piece.extra,
             }),
+            meets_floor: false,
             floor: if piece.is_like_floor { FloorFriction::Plane } else { FloorFriction::None },
         })
     }

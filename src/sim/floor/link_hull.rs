@@ -55,26 +55,35 @@ pub struct LinkHull {
 /// Distance of a sole's vertex from the surface of a ball, m, up to which the sole stands for the ball.
 const ON_BALL: f64 = 1e-3;
 
+/// Whether a shape is a ball with the point on its surface.
+pub fn is_on_ball(shape: &Shape, point: &Vector3<f64>) -> bool {
+    let Geometry::Sphere(radius) = shape.geometry else { return false };
+    ((point - shape.pose.translation.vector).norm() - radius).abs() < ON_BALL
+}
+
 /// Whether a shape is the ball of a point foot.
 fn is_foot(model: &Model, link: LinkId, shape: &Shape) -> bool {
-    let Geometry::Sphere(radius) = shape.geometry else { return false };
-    let centre = shape.pose.translation.vector;
     let mut vertices = model.soles.iter().filter(|sole| sole.link == link).flat_map(|sole| &sole.vertices);
-    vertices.any(|v| ((v - centre).norm() - radius).abs() < ON_BALL)
+    vertices.any(|v| is_on_ball(shape, v))
 }
 
 impl LinkHull {
     /// The hulls of all links with collision shapes. Points near a sole of their link are left out, and balls
     /// with a vertex of a sole on their surface: the sole stands for them. `resolution` is the number of corners
-    /// to a circle. Links for which `leave` holds have no hull, nor has the root of a fixed base, which cannot move.
-    pub fn of_model(model: &Model, resolution: usize, leave: impl Fn(LinkId) -> bool) -> Vec<Self> {
+    /// to a circle. Shapes for which `leave` holds are left out, and the root of a fixed base, which cannot move.
+    pub fn of_model(model: &Model, resolution: usize, leave: impl Fn(LinkId, &Shape) -> bool) -> Vec<Self> {
         let moving = usize::from(model.base == Base::Fixed)..model.links.len();
-        let links = moving.map(LinkId).filter(|link| !leave(*link));
-        links.filter_map(|link| Self::of_link(model, link, resolution)).collect()
+        moving.filter_map(|link| Self::of_link(model, LinkId(link), resolution, &leave)).collect()
     }
 
-    fn of_link(model: &Model, link: LinkId, resolution: usize) -> Option<Self> {
-        let shapes = model.links[link.0].collisions.iter().filter(|shape| !is_foot(model, link, shape));
+    fn of_link(
+        model: &Model,
+        link: LinkId,
+        resolution: usize,
+        leave: &impl Fn(LinkId, &Shape) -> bool,
+    ) -> Option<Self> {
+        let shapes = model.links[link.0].collisions.iter();
+        let shapes = shapes.filter(|shape| !leave(link, shape) && !is_foot(model, link, shape));
         let mut points: Vec<Vector3<f64>> = shapes.flat_map(|shape| shape_points(shape, resolution)).collect();
         points.retain(|point| !is_point_near_soles(model, link, point));
         let (points, faces) = hull(points)?;

@@ -11,7 +11,7 @@ pub mod sunk_links;
 pub mod vertex_region;
 
 pub use friction_regions::Floor;
-pub use link_hull::LinkHull;
+pub use link_hull::{LinkHull, is_on_ball};
 pub use patch::Patch;
-pub use sunk_links::SunkLinks;
+pub use sunk_links::{SunkLinks, is_near};
 pub use vertex_region::VertexRegion;

@@ -63,6 +63,11 @@ fn is_near_sole(sole: &Sole, centre: &Vector3<f64>, reach: impl Fn(&Vector3<f64>
     }
 }
 
+/// Whether a part of a link's shape comes near to a sole of the link.
+pub fn is_near(sole: &Sole, shape: &Shape) -> bool {
+    rounds(shape).iter().any(|part| part.is_near(sole))
+}
+
 /// Whether a point of a link is near to one of the link's soles.
 pub(super) fn is_point_near_soles(model: &Model, link: LinkId, point: &Vector3<f64>) -> bool {
     model.soles.iter().any(|sole| sole.link == link && is_near_sole(sole, point, |_| 0.0, 0.0))
