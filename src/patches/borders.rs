@@ -59,8 +59,7 @@ impl Crossing {
         (of_owner, sign_owner): (&Border, f64),
         (of_other, sign_other): (&Border, f64),
     ) -> Option<Self> {
-        // Lengths along a line of I are those of its image in the plane: a steep one leaves its ends behind as fast as
-        // it is told apart from them there.
+        // Lengths along a line of I are those of its image in the plane, in which corners are compared.
         let level = |e: &Vector3<f64>| (e - m * m.dot(e)).norm();
         match (*of_owner, *of_other) {
             (Border::Line { start: q0, along: side, length }, Border::Line { start, along: e, length: own }) => {

@@ -302,7 +302,7 @@ fn an_end_that_turns_about_a_crossing_hands_over_to_its_rim() {
     assert!((rim.axes.column(2) - end.axes.column(2)).norm() < 1e-5);
 }
 
-/// Where a steep side leaves a border, its crossing is told apart from its end after a few events, not after one for
+/// Where a steep side leaves a border, its crossing and its end are two corners after a few events, not after one for
 /// each nanometre of its length.
 #[test]
 fn a_steep_side_leaves_a_border_with_few_events() {
