@@ -103,8 +103,17 @@ impl Placement {
     /// Bound of the way of the points of a body from its placement `start` to this one, m:
     /// `|c - c_0| + r |R - R_0|` with the centre c and the radius r of its sphere and the Frobenius norm.
     pub fn way_from(&self, start: &Placement, body: &ConvexBody) -> f64 {
+        self.way_with_turn(start, self.turn_from(start), body)
+    }
+
+    /// `|R - R_0|` of [`way_from`](Self::way_from), which bodies of one link have in common.
+    pub fn turn_from(&self, start: &Placement) -> f64 {
+        (self.rotation - start.rotation).norm()
+    }
+
+    /// [`way_from`](Self::way_from) for a known [`turn_from`](Self::turn_from).
+    pub fn way_with_turn(&self, start: &Placement, turn: f64, body: &ConvexBody) -> f64 {
         let shift = (self.point(&body.centre) - start.point(&body.centre)).norm();
-        let turn = (self.rotation - start.rotation).norm();
         shift + if turn > 0.0 { turn * body.radius } else { 0.0 }
     }
 

@@ -116,7 +116,7 @@ impl Simulation {
             duration: setup.duration,
             fallen_below: setup.fallen_below,
             sunk_links: (setup.ends_when_sunk && setup.touching_links.is_none()).then(|| SunkLinks::new(&model)),
-            pairs: PairContacts::new(&plant.bodies, std::mem::take(&mut setup.bodies.1), terrain),
+            pairs: PairContacts::new(std::mem::take(&mut setup.bodies.1), terrain),
             links: setup.touching_links.map(|hulls| Box::new(LinkContacts::new(hulls))),
             last_collision: f64::NEG_INFINITY,
             stall_guard: StallGuard::default(),

@@ -77,10 +77,13 @@ impl StepEventFunctions {
         StepEventFunctions(EventFunctions::new())
     }
 
-    /// Selects the functions of a step at its start.
-    pub fn begin(&mut self, sim: &mut RunState) {
+    /// Selects the functions of a step at its start, and gives their values there.
+    pub fn begin(&mut self, sim: &mut RunState, start: &mut Vec<f64>) {
         sim.pairs.begin_step(&sim.plant);
         with_contact(sim, |now| self.0.begin(now));
+        start.resize(self.0.len(), 0.0);
+        sim.plant.share_forces();
+        with_contact(sim, |now| self.0.fill(now, start));
     }
 
     /// Values at the plant's present evaluation.

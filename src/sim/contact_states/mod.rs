@@ -15,6 +15,7 @@ pub mod link_contacts;
 mod painleve;
 pub mod pair_contacts;
 mod patch_planes;
+mod placements;
 mod polygon_changes;
 mod problem_report;
 mod rest_detection;

@@ -9,6 +9,7 @@
 //! place of the distance.
 
 use super::patch_planes::{self, NEAR, ahead, bodies};
+use super::placements::Placements;
 use super::terrain_pairs::TerrainPairs;
 use crate::contact::model::state::{Pattern, SoleState};
 use crate::patches::{self, Owner, Placement, Separation, Topology};
@@ -64,20 +65,18 @@ pub struct PairContacts {
     hints: HashMap<(usize, usize), Owner>,
     /// Results of the last search, in their order.
     found: Vec<Found>,
-    /// Bodies that links carry.
-    moving: Vec<usize>,
     /// Placements of the plant's bodies, present and at the start of the step.
-    placements: Vec<Placement>,
-    starts: Vec<Placement>,
+    placements: Placements,
+    starts: Placements,
     /// Bounds of the ways of the bodies in this step, m.
     ways: Vec<f64>,
-    /// Bounds of the speeds of their points, m/s.
+    /// Bounds of the speeds of their points, m/s; empty where steps have located events.
     speeds: Vec<f64>,
 }
 
 impl PairContacts {
     /// For these pairs of the bodies of a plant, and terrain if there is any.
-    pub fn new(bodies: &[Body], pairs: Vec<Pair>, terrain: Option<TerrainPairs>) -> Self {
+    pub fn new(pairs: Vec<Pair>, terrain: Option<TerrainPairs>) -> Self {
         let candidates: Vec<Candidate> = pairs.into_iter().map(Candidate::new).collect();
         PairContacts {
             fixed: candidates.len(),
@@ -85,9 +84,8 @@ impl PairContacts {
             candidates,
             terrain,
             hints: HashMap::new(),
-            moving: (0..bodies.len()).filter(|k| bodies[*k].link().is_some()).collect(),
-            placements: Vec::new(),
-            starts: Vec::new(),
+            placements: Placements::default(),
+            starts: Placements::default(),
             ways: Vec::new(),
             speeds: Vec::new(),
         }
@@ -106,8 +104,8 @@ impl PairContacts {
     /// Adds pieces of terrain that have come near, and removes distant ones. Needs the plant's kinematics.
     /// `step` is the size of a step without located events.
     pub fn update_terrain(&mut self, plant: &mut Plant, step: Option<f64>) {
-        self.place(plant);
         let Some(terrain) = &mut self.terrain else { return };
+        self.placements.update(plant);
         if !terrain.update(plant, &self.placements, step) {
             return;
         }
@@ -117,23 +115,13 @@ impl PairContacts {
         let hint = |pair: &Pair| self.hints.get(&pair.bodies).copied();
         let candidate = |pair: &Pair| Candidate { hint: hint(pair), ..Candidate::new(pair.clone()) };
         self.candidates.extend(terrain.pairs().map(candidate));
-        self.place(plant);
-    }
-
-    /// Computes the placements of the plant's bodies, whose kinematics must be up to date.
-    fn place(&mut self, plant: &Plant) {
-        let mechanisms = plant.objects.mechanisms(&plant.ws);
-        let known = self.placements.len();
-        self.placements.extend(plant.bodies[known..].iter().map(|body| body.placement(mechanisms)));
-        for &body in &self.moving {
-            self.placements[body] = plant.bodies[body].placement(mechanisms);
-        }
+        self.placements.update(plant);
     }
 
     /// Begins a step at the plant's present kinematics.
     pub fn begin_step(&mut self, plant: &Plant) {
-        self.place(plant);
-        self.starts.clone_from(&self.placements);
+        self.placements.update(plant);
+        self.starts.copy_from(&self.placements);
         self.ways.clear();
         self.ways.resize(self.starts.len(), 0.0);
         for c in 0..self.candidates.len() {
@@ -144,10 +132,8 @@ impl PairContacts {
 
     /// Prepares [`gap`](Self::gap) for the plant's present kinematics.
     pub fn update_ways(&mut self, plant: &Plant) {
-        self.place(plant);
-        for &body in &self.moving {
-            self.ways[body] = self.placements[body].way_from(&self.starts[body], &plant.bodies[body].shape);
-        }
+        self.placements.update(plant);
+        self.placements.ways_from(&self.starts, &plant.bodies, &mut self.ways);
     }
 
     /// If a body may have left the box in which its terrain is known, the fraction of the step after which it is
@@ -191,14 +177,16 @@ impl PairContacts {
     /// The patches of the plant's present state, if they differ from its present ones. Needs its kinematics.
     /// `step` is the size of a step without located events. Allocates only if they differ.
     pub fn find(&mut self, plant: &Plant, distance: f64, step: Option<f64>) -> Option<Vec<PairPatch>> {
-        self.place(plant);
+        self.placements.update(plant);
         self.found.clear();
         self.speeds.clear();
-        let speed = |(body, placement): (&Body, &Placement)| {
-            let (centre, turn) = placement.speeds(&body.shape);
-            centre.norm() + turn
-        };
-        self.speeds.extend(plant.bodies.iter().zip(&self.placements).map(speed));
+        if step.is_some() {
+            let speed = |(k, body): (usize, &Body)| {
+                let (centre, turn) = self.placements[k].speeds(&body.shape);
+                centre.norm() + turn
+            };
+            self.speeds.extend(plant.bodies.iter().enumerate().map(speed));
+        }
         let parts = plant.pair_patches().map(|patch| patch.parts.len()).sum::<usize>();
         let mut known = 0;
         let mut changed = false;
@@ -313,7 +301,7 @@ fn find_corners(
     candidate: &mut Candidate,
     present: Option<&Part>,
     plant: &Plant,
-    placements: &[Placement],
+    placements: &Placements,
     distance: f64,
     step: Option<f64>,
 ) -> Found {
@@ -381,8 +369,10 @@ fn find_corners(
 /// Distance of the spheres around two bodies, m; to a half space that of the sphere around the other.
 fn spheres_apart((a, pa): (&Body, &Placement), (b, pb): (&Body, &Placement)) -> f64 {
     let above = |(plane, at): (&Body, &Placement), (body, placement): (&Body, &Placement)| {
-        let height = at.rotation.column(2).dot(&(centre(body, placement) - at.position));
-        if plane.shape.is_half_space() { height - body.shape.radius } else { f64::NEG_INFINITY }
+        if !plane.shape.is_half_space() {
+            return f64::NEG_INFINITY;
+        }
+        at.rotation.column(2).dot(&(centre(body, placement) - at.position)) - body.shape.radius
     };
     if a.shape.is_half_space() || b.shape.is_half_space() {
         return above((a, pa), (b, pb)).max(above((b, pb), (a, pa)));

@@ -4,6 +4,7 @@
 //! extended by a distance. It is computed again between steps, when the body may have moved by a part of that
 //! distance ([`Placement::way_from`]). A step in which it may have moved by more is shortened.
 
+use super::placements::Placements;
 use crate::dynamics::reduced::BodyId;
 use crate::patches::Placement;
 use crate::sim::bodies::{Body, Pair, PairFriction};
@@ -77,10 +78,10 @@ impl TerrainPairs {
 
     /// If a body may have left its box in a step from the placements `starts` to `ends` of the plant's bodies, the
     /// fraction of the step after which it is probably inside.
-    pub fn part_inside(&self, plant: &Plant, starts: &[Placement], ends: &[Placement]) -> Option<f64> {
+    pub fn part_inside(&self, plant: &Plant, starts: &Placements, ends: &Placements) -> Option<f64> {
         let part = |moving: &Moving| {
             let region = moving.region.as_ref()?;
-            let way = |at: &[Placement]| at[moving.body].way_from(&region.placement, &plant.bodies[moving.body].shape);
+            let way = |at: &Placements| at[moving.body].way_from(&region.placement, &plant.bodies[moving.body].shape);
             let (from, to) = (way(starts), way(ends));
             (to > region.reach).then(|| (SHARE * (region.reach - from) / (to - from)).max(LEAST))
         };
@@ -88,7 +89,7 @@ impl TerrainPairs {
     }
 
     /// Distance by which body `i` may still move within its box, m; negative without one.
-    fn left(&self, plant: &Plant, placements: &[Placement], i: usize) -> f64 {
+    fn left(&self, plant: &Plant, placements: &Placements, i: usize) -> f64 {
         let moving = &self.moving[i];
         let shape = &plant.bodies[moving.body].shape;
         let left = |region: &Region| region.reach - placements[moving.body].way_from(&region.placement, shape);
@@ -97,7 +98,7 @@ impl TerrainPairs {
 
     /// Updates the boxes to these placements of the plant's bodies, and adds bodies for new pieces to the plant.
     /// `step` is the size of a step without located events. Returns whether pairs have changed.
-    pub fn update(&mut self, plant: &mut Plant, placements: &[Placement], step: Option<f64>) -> bool {
+    pub fn update(&mut self, plant: &mut Plant, placements: &Placements, step: Option<f64>) -> bool {
         let horizon = HORIZON.max(STEPS * step.unwrap_or(0.0));
         let mut changed = false;
         for i in 0..self.moving.len() {

@@ -325,8 +325,7 @@ impl ExplicitStepper {
         self.pair.begin(&mut sim.plant, t0, &self.y);
         sim.plant.update_reference_directions();
         sim.pairs.update_terrain(&mut sim.plant, None);
-        self.functions.begin(sim);
-        self.functions.values(sim, &mut self.start);
+        self.functions.begin(sim, &mut self.start);
     }
 
     /// Event location: shortens the attempted step to its first event and returns its new size. The
