@@ -374,7 +374,8 @@ impl Plant {
         if self.failure.is_some() {
             self.reduced.fail();
         }
-        self.problem.w.copy_from_slice(&self.reduced.w);
+        // The same entries are written in each evaluation, and the others are zero.
+        std::mem::swap(&mut self.problem.w, &mut self.reduced.w);
         self.problem.b.copy_from_slice(&self.reduced.a0);
         if !self.refreshed {
             self.update_vertices();
