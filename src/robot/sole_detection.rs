@@ -1,12 +1,12 @@
 //! Detects the soles of a robot that names none: the lowest faces of its leaf links at the home
-//! posture, by their collision shapes, or by the visual shapes of a link without collision shapes. A body
-//! of one round shape has none: it rolls.
+//! posture, by their collision shapes, or by the visual shapes of a link without collision shapes. Wheels and a
+//! body of one round shape have none: they roll.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::link_poses::link_poses;
 use super::mesh_simplification;
-use super::model::{Base, Geometry, Link, LinkId, Model, Shape, Sole};
+use super::model::{Base, Geometry, JointKind, Link, LinkId, Model, Shape, Sole};
 use super::notices::Notices;
 use super::xml_syntax::root_element;
 use crate::geometry::outline;
@@ -33,6 +33,10 @@ const MAX_POINTS: usize = 10_000;
 const DIRECTIONS: usize = 12_000;
 /// Corners of the prism that replaces a round sole.
 const ROUND_CORNERS: usize = 8;
+/// Distance of the middle of a wheel from the axis of its joint, m, and sine between their axes, up to which it turns
+/// in place.
+const OFF_AXIS: f64 = 1e-3;
+const ASKEW: f64 = 0.01;
 /// Greatest number of vertices of a sole: more have too many contact patterns.
 const MAX_VERTICES: usize = 8;
 
@@ -53,11 +57,17 @@ pub(super) fn find_soles(model: &mut Model, source: &Source, notices: &mut Notic
     let low = least(lowest.iter().copied());
     let height = high - low;
     let is_leaf = |i: usize| !model.links.iter().any(|l| l.parent == Some(LinkId(i)));
-    let mut found = Vec::new();
+    let (mut found, mut rolls) = (Vec::new(), false);
     for i in (0..model.links.len()).filter(|&i| is_leaf(i) && lowest[i] <= low + STANDING * height) {
         let link = &model.links[i];
         if link.parent.is_none() && matches!(&link.collisions[..], [ball] if is_round(ball, &poses[i])) {
             notices.info(source, at, format!("no sole on `{}`: it is round, and touches with its shape", link.name));
+            rolls = true;
+            continue;
+        }
+        if is_wheel(model, i) {
+            notices.info(source, at, format!("no sole on `{}`: it is a wheel, and rolls on its shape", link.name));
+            rolls = true;
             continue;
         }
         let Foot { vertices, flattened } = foot(shapes_of(link), &poses[i], height);
@@ -74,7 +84,6 @@ pub(super) fn find_soles(model: &mut Model, source: &Source, notices: &mut Notic
         notices.info(source, at, format!("sole `{name}` found on link `{name}`{by}: polygon [{polygon}]{moved}"));
         found.push(Sole { name, link: LinkId(i), vertices });
     }
-    let rolls = model.links.len() == 1 && lowest[0].is_finite();
     if found.is_empty() && !rolls {
         let message = "no soles: none are given, and no leaf link has a shape at the robot's lowest height";
         notices.warning(source, at, message);
@@ -163,6 +172,24 @@ fn is_round(shape: &Shape, pose: &Isometry3<f64>) -> bool {
         Geometry::Cylinder(..) => (pose.rotation * shape.pose.rotation * Vector3::z()).z.abs() < LEVEL,
         _ => false,
     }
+}
+
+/// Whether a link turns without limits about the axis of all its collision shapes: balls, capsules and cylinders.
+fn is_wheel(model: &Model, link: usize) -> bool {
+    // The joint turns about z of the link's internal frame.
+    let is_on_axis = |shape: &Shape| {
+        let axis = shape.pose.rotation * Vector3::z();
+        let is_along = axis.xy().norm() <= ASKEW;
+        let turns_in_place = match shape.geometry {
+            Geometry::Sphere(_) => true,
+            Geometry::Capsule(..) | Geometry::Cylinder(..) => is_along,
+            _ => false,
+        };
+        turns_in_place && shape.pose.translation.vector.xy().norm() <= OFF_AXIS
+    };
+    let shapes = &model.links[link].collisions;
+    let is_continuous = link > 0 && model.joints[link - 1].kind == JointKind::Continuous;
+    is_continuous && !shapes.is_empty() && shapes.iter().all(is_on_axis)
 }
 
 /// Points that include the lowest ones of the shape, in the link's internal frame; `pose` is that

@@ -87,6 +87,46 @@ fn wheels_of_one_link_roll_down_an_incline() {
     assert_clean(sim.metrics());
 }
 
+/// Three wheels of 0.5 kg and 0.002 kg m^2 about their axles, radius 0.1 m, on a body of 3 kg. They turn by travel/R.
+#[test]
+fn a_cart_rolls_on_its_wheels() {
+    let folder = TempDir::new().expect("a folder for the robot");
+    let wheel = |name: &str, x: f64, y: f64| {
+        format!(
+            r#"<link name="{name}"><inertial><mass value="0.5"/>
+            <inertia ixx="0.001" ixy="0" ixz="0" iyy="0.002" iyz="0" izz="0.001"/></inertial>
+            <collision><origin rpy="{QUARTER} 0 0"/><geometry><cylinder radius="0.1" length="0.04"/></geometry></collision>
+            </link><joint name="{name}" type="continuous"><parent link="cart"/><child link="{name}"/>
+            <origin xyz="{x} {y} 0"/><axis xyz="0 1 0"/></joint>"#
+        )
+    };
+    let wheels = [wheel("front", 0.3, 0.0), wheel("left", -0.2, 0.2), wheel("right", -0.2, -0.2)].concat();
+    let text = format!(
+        r#"<robot name="cart"><link name="cart"><inertial><mass value="3"/>
+        <inertia ixx="0.05" ixy="0" ixz="0" iyy="0.05" iyz="0" izz="0.05"/></inertial>
+        <collision><origin xyz="0 0 0.05"/><geometry><box size="0.6 0.3 0.05"/></geometry></collision></link>{wheels}</robot>"#
+    );
+    let path = folder.path().join("cart.urdf");
+    fs::write(&path, text).expect("the folder is writable");
+    let travel = 0.125 * G * TILT.sin() * 4.5 / (4.5 + 3.0 * 0.2);
+    let (up, down) = slope();
+    let terrain = format!(
+        "base = {{ position = {}, rpy = [0, {TILT}, 0] }} }}\nfloor = {{ plane = false }}
+        terrain = [{{ type = \"box\", size = [4, 1, 0.1], rpy = [0, {TILT}, 0], friction = 0.5 }}]",
+        list(&(up * 0.15))
+    );
+    let floor = format!("base = {{ rpy = [0, {TILT}, 0] }} }}\nfloor = {{ friction = 0.5, rpy = [0, {TILT}, 0] }}");
+    for (world, start) in [(terrain, up * 0.15), (floor, Vector3::z() * (0.1 / TILT.cos()))] {
+        let sim = ended(&format!(
+            "duration = 0.5\nrobot = {{ model = {path:?}, joint_default = {{ mode = \"passive\" }}, {world}\n{TIGHT}"
+        ));
+        let state = &sim.plant().state;
+        assert!((state.position - start - down * travel).norm() < 1e-9, "{}", state.position);
+        assert!(state.joints.iter().all(|angle| (angle - travel / 0.1).abs() < 1e-8), "{:?}", state.joints);
+        assert_clean(sim.metrics());
+    }
+}
+
 /// A rule for a pair holds for all shapes of a link: without friction the wheels slide.
 #[test]
 fn a_rule_for_a_link_holds_for_all_its_shapes() {

@@ -79,6 +79,28 @@ fn a_body_of_one_ball_has_no_sole() {
     assert_eq!(notice.message, "no sole on `a`: it is round, and touches with its shape");
 }
 
+/// The axis of the joint is y, from where the link's frame is.
+#[test]
+fn wheels_have_no_soles() {
+    let lying = |xyz: &str| {
+        format!(
+            "<collision><origin xyz=\"{xyz}\" rpy=\"1.5707963267948966 0 0\"/>\
+             <geometry><cylinder radius=\"0.5\" length=\"0.2\"/></geometry></collision>"
+        )
+    };
+    for wheel in [lying("0 0.3 0"), lying("0 1 0") + &lying("0 -1 0")] {
+        let robot = standing_on_foot(&wheel);
+        assert!(robot.model.soles.is_empty());
+        let notice = robot.notices.last().map(|notice| notice.message.as_str());
+        assert_eq!(notice, Some("no sole on `a`: it is a wheel, and rolls on its shape"));
+    }
+    // Beside its axis it is a cam, and with a box no wheel.
+    let boxed = lying("0 0 0") + "<collision><geometry><box size=\"0.1 0.1 0.1\"/></geometry></collision>";
+    for foot in [lying("0.1 0.3 0"), boxed] {
+        assert_eq!(standing_on_foot(&foot).model.soles.len(), 1);
+    }
+}
+
 #[test]
 fn balls_at_the_corners_of_a_foot_form_one_sole() {
     let ball = |x: f64, y: f64, z: f64, r: f64| {
