@@ -3,8 +3,8 @@
 //!
 //! Several states may each drive the motion out of themselves and into the next, so that none is
 //! valid for longer than some microseconds; the motion is then a sliding mode [Filippov 1988]. It
-//! is detected by [`EVENTS`] events in a row that take at most [`FAST`] each, return to the same
-//! few states, and include no impact faster than v_t. Where bodies slide by at most [`CREEP`],
+//! is detected by events in a row, as many as one of [`EVENTS`], that take at most [`FAST`] each, return to
+//! the same states, at most half as many, and include no impact faster than v_t. Where bodies slide by at most [`CREEP`],
 //! [`EVENTS_OF_CREEP`] that take at most [`FAST_OF_CREEP`] suffice: bodies that come to rest slide ever
 //! slower, until errors of steps stop them and turn them round. The run then advances by
 //! velocity-level steps ([`super::semi_implicit`], [Moreau 1988]), which need no state that is valid at
@@ -45,8 +45,9 @@ use crate::sim::run_error::RunError;
 use crate::sim::termination::check_finite;
 use nalgebra::{Vector2, Vector3};
 
-/// Events by which the states must alternate, and after the mode was left for a trial.
-const EVENTS: usize = 16;
+/// Events by which the states must alternate, of few soles and of many, and after the mode was left for a trial.
+const EVENTS: [usize; 2] = [16, MOST_EVENTS];
+const MOST_EVENTS: usize = 64;
 const EVENTS_AGAIN: usize = 6;
 /// Events by which bodies that creep must alternate.
 const EVENTS_OF_CREEP: usize = 64;
@@ -74,7 +75,7 @@ const OF_FIXED: f64 = 0.1;
 #[derive(Clone)]
 pub struct SlidingMode {
     /// The last events: time and states chosen.
-    recent: [(f64, States); EVENTS],
+    recent: [(f64, States); MOST_EVENTS],
     count: usize,
     is_active: bool,
     /// Number of the last events at which contacts slid by at most [`CREEP`].
@@ -169,26 +170,30 @@ impl SlidingMode {
         self.recent[0].1.clone_from(&sim.plant.states);
         self.count = if sim.last_collision == t { 0 } else { self.count + 1 };
         self.creeping = if sim.creeps(CREEP) { self.creeping + 1 } else { 0 };
-        let again = t < self.passed;
-        let needed = if again { EVENTS_AGAIN } else { EVENTS };
-        if self.count < needed {
-            return Ok(());
-        }
-        let span = t - self.recent[needed - 1].0;
-        let only_creep = span > FAST * needed as f64;
-        let creeping = if again && self.has_crept { EVENTS_AGAIN } else { EVENTS_OF_CREEP };
-        if only_creep && (span > FAST_OF_CREEP * needed as f64 || self.creeping < creeping) {
-            return Ok(());
-        }
-        let recent = &self.recent[..needed];
-        let distinct = (0..needed).filter(|&i| recent[..i].iter().all(|(_, states)| *states != recent[i].1)).count();
-        if 2 * distinct > needed {
-            return Ok(());
-        }
+        let again = (t < self.passed).then_some(EVENTS_AGAIN);
+        let found = again.into_iter().chain(EVENTS).find_map(|needed| {
+            let (span, distinct) = self.alternation(needed)?;
+            let only_creep = span > FAST * needed as f64;
+            let creeping = if again.is_some() && self.has_crept { EVENTS_AGAIN } else { EVENTS_OF_CREEP };
+            let is_slow = span > FAST_OF_CREEP * needed as f64 || self.creeping < creeping;
+            (!only_creep || !is_slow).then_some((needed, distinct, span, only_creep))
+        });
+        let Some((needed, distinct, span, only_creep)) = found else { return Ok(()) };
         self.begin(sim, if only_creep { STAYS_OF_CREEP } else { STAYS });
         self.only_creep = only_creep;
         let message = format!("begins: {needed} events between {distinct} states within {span:.3e} s");
         sim.event(observer, EventKind::SlidingMode, "", &message)
+    }
+
+    /// Time in which the last `needed` events took place, s, and the number of their states, if that is at most half
+    /// theirs.
+    fn alternation(&self, needed: usize) -> Option<(f64, usize)> {
+        if self.count < needed {
+            return None;
+        }
+        let recent = &self.recent[..needed];
+        let distinct = (0..needed).filter(|&i| recent[..i].iter().all(|(_, states)| *states != recent[i].1)).count();
+        (2 * distinct <= needed).then(|| (recent[0].0 - recent[needed - 1].0, distinct))
     }
 
     /// Begins a mode if the last choice of states has found none. Returns whether it has.
@@ -384,5 +389,30 @@ impl SlidingMode {
         let tolerances = (two_thirds(relative), two_thirds(absolute));
         let difference = |i: usize| self.halves[i] - self.whole[i];
         error_norm(layout.error_groups(), tolerances, [&self.start, &self.halves], difference)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::model::state::{Pattern, SoleState};
+
+    /// Of cycles of five and of twenty states only the first returns to half of 16 events.
+    #[test]
+    fn the_states_of_many_soles_alternate_in_longer_cycles() {
+        for (cycle, expected) in [(5, [Some(5), Some(5)]), (20, [None, Some(20)]), (40, [None, None])] {
+            let mut mode = SlidingMode::new(0);
+            for k in 0..MOST_EVENTS {
+                let states = States::filled(SoleState::fixed(Pattern::Vertex((k % cycle) as u8)));
+                mode.recent.rotate_right(1);
+                mode.recent[0] = (1e-6 * k as f64, states);
+                mode.count += 1;
+            }
+            let found = EVENTS.map(|needed| mode.alternation(needed));
+            assert_eq!(found.map(|found| found.map(|(_, distinct)| distinct)), expected, "{cycle}");
+            let spans = found.into_iter().zip(EVENTS).filter_map(|(found, needed)| Some((found?.0, needed)));
+            // Rounding of the instants.
+            assert!(spans.into_iter().all(|(span, needed)| (span - 1e-6 * (needed - 1) as f64).abs() < 1e-18));
+        }
     }
 }
