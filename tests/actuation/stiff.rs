@@ -1,6 +1,6 @@
 //! Stiff drives with implicit integrators: closed forms, and fewer steps than explicit ones.
 
-use super::{simulation, wheel};
+use super::{link, robot, simulation, wheel};
 use crate::analytic::support::{self, Recording, finish, run};
 use nalgebra::{Matrix3, Vector3};
 use stiction::sim::{Metrics, NullObserver};
@@ -66,6 +66,55 @@ fn auto_becomes_implicit_where_stability_limits_explicit_steps() {
     // Stability: 2e5 1/s over 0.5 s at 3.3 a step.
     assert!(explicit > 30_000, "{explicit}");
     assert!(auto < implicit + 300 && implicit < 1000, "{auto} {implicit}");
+}
+
+/// A foot of 0.1 kg slides at 5e-6 m/s, at which the rate of friction across its way is 1e6 1/s, driven by a servo with a
+/// rate of 1e5 1/s: steps with implicit friction alone are limited by the servo.
+#[test]
+fn auto_becomes_implicit_where_friction_is_stiff_too() {
+    let sole = |link: &str, size: f64| {
+        format!(
+            "{{ name = \"{link}\", link = \"{link}\", polygon = [[{size}, {size}, 0], [-{size}, {size}, 0],
+            [-{size}, -{size}, 0], [{size}, -{size}, 0]] }}"
+        )
+    };
+    let prismatic = |name: &str, parent: &str, child: &str, axis: &str| {
+        format!(
+            "<joint name=\"{name}\" type=\"prismatic\"><parent link=\"{parent}\"/><child link=\"{child}\"/>
+            <axis xyz=\"{axis}\"/><limit lower=\"-1\" upper=\"1\" effort=\"1e9\" velocity=\"1e9\"/></joint>"
+        )
+    };
+    let parts = [
+        link("body", 1.0, 0.0, 0.01),
+        prismatic("drive", "body", "carriage", "1 0 0"),
+        link("carriage", 0.01, 0.0, 1e-4),
+        prismatic("side", "carriage", "slide", "0 1 0"),
+        link("slide", 0.01, 0.0, 1e-4),
+        prismatic("rise", "slide", "foot", "0 0 1"),
+        link("foot", 0.1, 0.0, 1e-3),
+    ];
+    let ended = |method: &str| {
+        let text = format!(
+            "duration = 0.05
+            log.rate = 0
+            control.rate = 1.0
+            integrator.method = \"{method}\"
+            floor.friction = 0.5
+            robot = {{ model = \"given\", base.position = [0, 0, 0], soles = [{}, {}], joint.rise.mode = \"passive\",
+                joint.side.mode = \"passive\", joint.drive = {{ kp = 1e5, kd = 1e4 }}, velocity.drive = 5e-6 }}\n",
+            sole("body", 0.2),
+            sole("foot", 0.01)
+        );
+        let mut sim = simulation(Some(&robot(&parts)), &text, Some(|j, _| [5.4e-6 * f64::from(j == 0), 0.0, 0.0]));
+        let m = finish(&mut sim, &mut NullObserver);
+        (m.steps, sim.plant().state.joints[0])
+    };
+    let ((explicit, truth), (auto, found), (implicit, _)) = (ended("dopri5"), ended("auto"), ended("rosenbrock"));
+    // The foot carries 0.981 N, so friction takes 0.4905 of 0.54 N.
+    let expected = (5.4e-6 - 4.905e-6) * (1.0 - (-0.05f64 * 10.0).exp());
+    assert!((truth / expected - 1.0).abs() < 1e-3 && (found - truth).abs() < 1e-10, "{truth} {found} {expected}");
+    assert!(explicit > 1500, "{explicit}");
+    assert!(auto < implicit + 100 && implicit < 100, "{auto} {implicit}");
 }
 
 #[test]

@@ -14,6 +14,8 @@
 //! ```text
 //! |lambda| = |f(t + h, y1) - f(t + h, Y_6)| / |y1 - Y_6|
 //! ```
+//!
+//! Steps in which friction alone is implicit are limited by the forces where h times a bound of their rates is.
 
 use super::step_size::StepSize;
 use crate::integrate::{Rosenbrock, RungeKutta, StepControl, Tableau};
@@ -38,6 +40,11 @@ const STIFF_STEPS: u32 = 12;
 /// Product of a step and the rate of the implicit forces up to which explicit steps cost less: they are stable to 3.3,
 /// and a step of the Rosenbrock method costs some three of them.
 const EASY: f64 = 10.0;
+/// The same where friction is stiff too: its steps cost as much without the forces.
+const EASY_WITH_FRICTION: f64 = 0.5;
+/// Product of a step with friction alone and the rate of the forces above which these may limit it. Such steps are
+/// stable to less than explicit ones.
+const LIMITED_WITH_FRICTION: f64 = 1.0;
 /// Number of such steps after which forces become explicit again.
 const EASY_STEPS: u32 = 12;
 /// Factor by which [`STIFF_STEPS`] grows at most, doubling each time that forces were implicit for less than
@@ -86,6 +93,10 @@ struct Implicit {
     reluctance: u32,
     /// Steps since the last that did not count.
     others: u32,
+    /// Accepted steps with implicit friction alone since the rates of the forces were last compared with them.
+    of_friction: u32,
+    /// Whether friction is implicit with them.
+    has_friction: bool,
     /// Steps since their responses were computed.
     age: u32,
     /// Upper bound of their rates, 1/s.
@@ -119,6 +130,8 @@ impl MethodPair {
                 stay: 0,
                 reluctance: 1,
                 others: 0,
+                of_friction: 0,
+                has_friction: false,
                 age: 0,
                 rate: 0.0,
             },
@@ -142,6 +155,10 @@ impl MethodPair {
     pub fn select(&mut self, plant: &mut Plant, y: &[f64], h: f64, remaining: f64, is_new: bool) -> f64 {
         let Some(size) = &self.stiff_size else { return h };
         let stiff = size.next(remaining);
+        if self.implicit.must_compare() {
+            self.use_forces(plant, stiff, true);
+            self.implicit.compare(stiff);
+        }
         if self.implicit.are_implicit {
             self.use_forces(plant, stiff, is_new);
             self.stiff.begin(y, self.explicit.slope());
@@ -188,7 +205,8 @@ impl MethodPair {
             implicit.rate = stiff.rate_bound();
             is_complete = true;
         }
-        if plant.friction_rate_estimate() * h > TOGETHER {
+        implicit.has_friction = plant.friction_rate_estimate() * h > TOGETHER;
+        if implicit.has_friction {
             plant.friction_stiffness(stiff);
             is_complete = false;
         }
@@ -223,7 +241,10 @@ impl MethodPair {
                 let factor = size.shorten(|tolerances| stiff.error(tolerances, layout.error_groups()), h, remaining);
                 if self.implicit.are_implicit {
                     self.implicit.count_implicit(factor.is_some(), size.next(f64::INFINITY));
-                } else if std::mem::take(&mut self.resumes) {
+                    return factor;
+                }
+                self.implicit.of_friction += u32::from(factor.is_none());
+                if std::mem::take(&mut self.resumes) {
                     self.waited = 0;
                     self.wait = if factor.is_some() { (2 * self.wait).min(MOST_WAITING) } else { 1 };
                 }
@@ -292,6 +313,20 @@ impl Implicit {
         self.are_implicit
     }
 
+    /// Whether steps with implicit friction alone may be limited by the forces: the stages of such steps give no
+    /// estimate of `h |lambda|`.
+    fn must_compare(&self) -> bool {
+        self.choice == ImplicitSteps::Auto && !self.are_implicit && self.of_friction >= STIFF_STEPS * self.reluctance
+    }
+
+    /// Makes the forces implicit if their rates limit steps of this size.
+    fn compare(&mut self, size: f64) {
+        self.of_friction = 0;
+        if size * self.rate > LIMITED_WITH_FRICTION {
+            (self.are_implicit, self.count, self.stay, self.age) = (true, 0, 0, KEPT);
+        }
+    }
+
     /// Counts a step with implicit forces, after which the next one has size `next`.
     fn count_implicit(&mut self, is_rejected: bool, next: f64) {
         if is_rejected {
@@ -299,7 +334,8 @@ impl Implicit {
             return;
         }
         self.stay = self.stay.saturating_add(1);
-        self.count = if next * self.rate < EASY { self.count + 1 } else { 0 };
+        let easy = if self.has_friction { EASY_WITH_FRICTION } else { EASY };
+        self.count = if next * self.rate < easy { self.count + 1 } else { 0 };
         if self.count >= EASY_STEPS && self.choice == ImplicitSteps::Auto {
             let is_short = self.stay < SHORT_STAY;
             self.reluctance = if is_short { (2 * self.reluctance).min(MOST_RELUCTANT) } else { 1 };
