@@ -375,6 +375,7 @@ impl Plant {
             self.reduced.fail();
         }
         // The same entries are written in each evaluation, and the others are zero.
+        // `reduced.w` then has those of the evaluation before.
         std::mem::swap(&mut self.problem.w, &mut self.reduced.w);
         self.problem.b.copy_from_slice(&self.reduced.a0);
         if !self.refreshed {
