@@ -7,6 +7,7 @@
 
 use nalgebra::Vector2;
 use serde::Deserialize;
+use stiction::contact::methods::registry::MethodDescriptor;
 use stiction::contact::model::problem::{Level, Problem};
 use stiction::contact::model::solution::Solution;
 use stiction::contact::model::state::{Pattern, SoleState, States};
@@ -184,4 +185,16 @@ fn condensed_problems_have_the_motions_of_the_whole() {
         assert!(!Condensed::new(&p).condense(&mut CandidateSolver::new(&p), &p, &states, &mut Solution::new(&p)));
     }
     assert!(count > 10, "{count}");
+}
+
+/// A step of a sliding mode of centauro on its wheels, pushed. Where the points do not converge once all that slip
+/// have kinetic friction, a fresh start with static friction leads there again.
+#[test]
+fn attempts_with_points_end_where_kinetic_friction_has_no_solution() {
+    let text = include_str!("wheels_problem.json");
+    let record: SelectionRecord = serde_json::from_str(text).expect("a problem");
+    let (p, mut out) = (record.problem().expect("it was written as one"), record.last().expect("its last solution"));
+    let method = MethodDescriptor::named(&record.method).expect("its method exists");
+    let mut solver = (method.solver)(&record.parameters, &p);
+    assert_eq!(solver.point_impulse(&p, &mut out), None);
 }

@@ -56,14 +56,19 @@ impl Selector {
         let near = |s: usize, i: usize| p.soles[s].vertices[i].near;
         self.points.begin(p, near, Some((out, p.step)));
         let mut iterations = 0;
+        let mut has_solved = false;
         loop {
             while !self.points.is_done() && self.points.residual() > if iterations < MANY { TAKEN } else { TAKEN_LATE }
             {
                 self.points.advance(p, BETWEEN_READINGS);
                 iterations += BETWEEN_READINGS;
             }
-            if self.points.residual() > TAKEN_LAST && self.points.solve(p, near) > TAKEN_LAST {
-                return None;
+            // Once: `solve` gives all vertices their static friction again.
+            if self.points.residual() > TAKEN_LAST {
+                if has_solved || self.points.solve(p, near) > TAKEN_LAST {
+                    return None;
+                }
+                has_solved = true;
             }
             // Each round gives vertices their kinetic friction for good.
             if !self.points.let_slip(p) {
