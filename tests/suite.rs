@@ -27,13 +27,13 @@ mod record;
 mod regressions;
 mod replay;
 mod robot;
-mod same;
 mod scenario;
 mod script;
 mod search;
 mod structure;
 #[cfg(unix)]
 mod submit;
+mod support;
 mod task;
 mod validation;
 mod view;

@@ -1,7 +1,7 @@
 //! Velocity drives, effort and speed limits, and end stops, on a wheel.
 
 use super::{NO_COMMANDS, link, robot, simulation, wheel};
-use crate::analytic::support::{Recording, finish};
+use crate::support::runs::{Recording, finish};
 
 const INERTIA: f64 = 0.2;
 

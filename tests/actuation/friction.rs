@@ -1,7 +1,7 @@
 //! Friction in joints: the law, creep under load, and absence of chatter.
 
 use super::{NO_COMMANDS, simulation, wheel};
-use crate::analytic::support::{Recording, finish, rk4};
+use crate::support::runs::{Recording, finish, rk4};
 use stiction::sim::NullObserver;
 
 fn spinning(settings: &str, friction: &str, start: f64) -> String {

@@ -2,7 +2,7 @@
 
 use super::{NO_COMMANDS, hinge, link, robot, simulation};
 use crate::analytic::body::G;
-use crate::analytic::support::{Recording, finish, rk4, root};
+use crate::support::runs::{Recording, finish, rk4, root};
 use stiction::assemble;
 use stiction::dynamics::body;
 use stiction::scenario;

@@ -1,7 +1,7 @@
 //! Actuators with a first-order lag, against closed forms.
 
 use super::{NO_COMMANDS, hinge, link, robot, simulation, wheel};
-use crate::analytic::support::{Recording, finish, rk4};
+use crate::support::runs::{Recording, finish, rk4};
 use stiction::sim::NullObserver;
 
 /// A wheel of 0.2 kg m^2 whose actuator has a time constant of 0.03 s.

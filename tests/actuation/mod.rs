@@ -8,7 +8,7 @@ mod stiff;
 mod stops;
 mod transmissions;
 
-use crate::analytic::support::root;
+use crate::support::runs::root;
 use stiction::assemble;
 use stiction::robot;
 use stiction::scenario;

@@ -1,7 +1,7 @@
 //! Stiff drives with implicit integrators: closed forms, and fewer steps than explicit ones.
 
 use super::{link, robot, simulation, wheel};
-use crate::analytic::support::{self, Recording, finish, run};
+use crate::support::runs::{self, Recording, finish, run};
 use nalgebra::{Matrix3, Vector3};
 use stiction::sim::{Metrics, NullObserver};
 
@@ -165,7 +165,7 @@ fn interpolated_commands_are_continuous_between_ticks() {
 
 /// HOAP-2 with stiff servos, whose arms are turned by a velocity at the start.
 fn humanoid(integrator: &str, contact: &str) -> (Vec<f64>, Metrics) {
-    let mut sim = support::simulation(&format!(
+    let mut sim = runs::simulation(&format!(
         "duration = 0.2
         log.rate = 0
         integrator = {{ {integrator} }}
@@ -237,7 +237,7 @@ fn a_landing_is_located_with_implicit_steps() {
 #[test]
 fn a_compliant_floor_does_not_limit_the_steps() {
     let stands = |integrator: &str, duration: f64| {
-        let mut sim = support::simulation(&format!(
+        let mut sim = runs::simulation(&format!(
             "duration = {duration}
             log.rate = 0
             integrator.method = \"{integrator}\"

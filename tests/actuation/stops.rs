@@ -1,7 +1,7 @@
 //! A force that jumps with the state: a joint reaches its stop.
 
 use super::{NO_COMMANDS, robot, simulation};
-use crate::analytic::support::{Recording, finish};
+use crate::support::runs::{Recording, finish};
 
 /// A foot of 1 kg and a slider of 1 kg on it that may rise by 0.1 m.
 fn hopper() -> String {

@@ -3,7 +3,7 @@
 
 use super::{NO_COMMANDS, simulation};
 use crate::analytic::body::G;
-use crate::analytic::support::{Recording, finish, rk4};
+use crate::support::runs::{Recording, finish, rk4};
 use nalgebra::{Matrix2, Vector2};
 use stiction::sim::{Metrics, Simulation};
 use tempfile::TempDir;

@@ -1,6 +1,6 @@
 //! A start below the floor is an error of the scenario; without a position floor and terrain give the height.
 
-use super::support::{root, run, setup};
+use crate::support::runs::{root, run, setup};
 use stiction::assemble;
 use stiction::robot;
 use stiction::scenario;

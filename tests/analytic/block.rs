@@ -1,6 +1,6 @@
 //! A block on a floor: cases with a one-line solution.
 
-use super::support::run;
+use crate::support::runs::run;
 
 const G: f64 = 9.81;
 

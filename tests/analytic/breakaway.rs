@@ -3,7 +3,7 @@
 //! sole.
 
 use super::body::{Body, G};
-use super::support::{TIGHT, run, watch};
+use crate::support::runs::{TIGHT, run, watch};
 
 /// Ramps force and moment from zero to full over a second at the sole's centre; returns the fraction at which it slips.
 fn slip(body: &Body, yaw: f64, mu: [f64; 2], force: [f64; 3], moment: [f64; 3]) -> f64 {

@@ -2,7 +2,7 @@
 //! parallel rods under load.
 
 use super::body::G;
-use super::support::{Recording, finish, rk4, simulation};
+use crate::support::runs::{Recording, finish, rk4, simulation};
 use nalgebra::Vector3;
 use stiction::sim::NullObserver;
 

@@ -2,7 +2,7 @@
 
 use super::body::G;
 use super::several_contacts::write_gripper;
-use super::support::{Recording, finish, root, simulation, watch};
+use crate::support::runs::{Recording, finish, root, simulation, watch};
 use stiction::sim::{Metrics, NullObserver, Simulation};
 
 const TIGHT: &str = "integrator = { relative_tolerance = 1e-10, absolute_tolerance = 1e-12 }

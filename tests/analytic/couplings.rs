@@ -2,7 +2,7 @@
 
 use super::body::G;
 use super::object_models::File;
-use super::support::{Recording, finish, rk4, simulation, watch};
+use crate::support::runs::{Recording, finish, rk4, simulation, watch};
 use stiction::sim::NullObserver;
 
 /// Pendulums about y from two pivots: mass, distance of its centre, moment of inertia about the pivot.

@@ -2,7 +2,7 @@
 
 use super::body::G;
 use super::objects::{assert_clean, finished, motion};
-use super::support::{TIGHT, finish, simulation};
+use crate::support::runs::{TIGHT, finish, simulation};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::fs;

@@ -1,7 +1,7 @@
 //! The energy balance of a slide, a fall, a push and a swing.
 
 use super::body::{Body, G};
-use super::support::{TIGHT, run, watch};
+use crate::support::runs::{TIGHT, run, watch};
 
 fn base(body: &Body, height: f64, velocity: [f64; 3]) -> String {
     let z = body.half[2] + height;

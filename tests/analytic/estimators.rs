@@ -1,7 +1,7 @@
 //! Sensors and base estimators against their predicted errors.
 
 use super::body::{Body, G};
-use super::support::{TIGHT, root, run, watch};
+use crate::support::runs::{TIGHT, root, run, watch};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Control ticks per second, and the time of the last tick before the end at 1 s.

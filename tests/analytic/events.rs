@@ -1,7 +1,7 @@
 //! Events during a run: afterwards the motion is that of a run with the new values from the start.
 
 use super::body::G;
-use super::support::{TIGHT, finish, run, simulation, watch};
+use crate::support::runs::{TIGHT, finish, run, simulation, watch};
 use stiction::dynamics::State;
 use stiction::sim::NullObserver;
 

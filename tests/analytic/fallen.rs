@@ -1,7 +1,7 @@
 //! Robots whose links touch the floor besides their soles (`robot.contact = "bodies"`).
 
 use super::body::G;
-use super::support::{finish, root, run, simulation, watch};
+use crate::support::runs::{finish, root, run, simulation, watch};
 use stiction::contact::methods::registry::METHODS;
 use stiction::robot;
 use stiction::sim::floor::LinkHull;

@@ -1,6 +1,6 @@
 //! Falls of `scenarios/studies/falls.toml`, each of which once lost energy, sank in, did not end or left the laws.
 
-use super::support::root;
+use crate::support::runs::root;
 use std::fs;
 use stiction::Scenario;
 use stiction::sim::{Metrics, Simulation};

@@ -5,7 +5,7 @@
 
 use super::body::G;
 use super::planar::on_feet;
-use super::support::{Recording, TIGHT, rk4, watch};
+use crate::support::runs::{Recording, TIGHT, rk4, watch};
 use nalgebra::Vector3;
 use stiction::sim::Metrics;
 

@@ -1,6 +1,6 @@
 //! HOAP-2 in the air: no contact, joints driven, arms swinging.
 
-use super::support::{finish, simulation};
+use crate::support::runs::{finish, simulation};
 use nalgebra::Vector3;
 use stiction::dynamics::body;
 use stiction::sim::NullObserver;

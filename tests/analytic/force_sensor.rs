@@ -2,7 +2,7 @@
 
 use super::body::{Body, G};
 use super::imu::with;
-use super::support::watch;
+use crate::support::runs::watch;
 use nalgebra::{Rotation3, Vector3};
 
 const TURN: [f64; 3] = [0.4, -0.3, 1.1];

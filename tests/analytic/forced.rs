@@ -2,7 +2,7 @@
 //! violations.
 
 use super::body::{Body, G};
-use super::support::watch;
+use crate::support::runs::watch;
 use stiction::scenario;
 use stiction::sim::{Metrics, SimEvent};
 
@@ -134,7 +134,7 @@ fn a_sole_or_a_state_that_does_not_exist_is_refused() {
             contact = {{ forced = [{{ sole = \"{sole}\", state = \"{state}\" }}] }}\n"
         );
         let runs = scenario::parse(std::path::Path::new("t.toml"), &text).unwrap().expand(&[]).unwrap();
-        let robot = stiction::robot::load(&super::support::root().join("robots/block/block.toml")).unwrap();
+        let robot = stiction::robot::load(&crate::support::runs::root().join("robots/block/block.toml")).unwrap();
         let errors = stiction::assemble::setup(&runs[0], &robot).err().expect("refused").to_string();
         assert!(errors.contains(message) && errors.contains("t.toml:2"), "{errors}");
     }

@@ -1,7 +1,7 @@
 //! The context of a task while HOAP-2 stands: forces balance the weight, and points are inside the
 //! support polygon.
 
-use super::support::{finish, root};
+use crate::support::runs::{finish, root};
 use nalgebra::Vector3;
 use std::sync::{Arc, Mutex};
 use stiction::assemble;

@@ -2,7 +2,7 @@
 //! unactuated joints, whole feet that land at once.
 
 use super::body::G;
-use super::support::{hard_push, rk4, watch};
+use crate::support::runs::{hard_push, rk4, watch};
 use std::fs;
 use stiction::sim::Metrics;
 use tempfile::TempDir;

@@ -1,7 +1,7 @@
 //! Readings of an IMU at any pose on the robot, and base estimators that use it.
 
 use super::body::{Body, G};
-use super::support::{TIGHT, root, run, simulation, watch};
+use crate::support::runs::{TIGHT, root, run, simulation, watch};
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::PI;
 use std::fs;
@@ -292,5 +292,5 @@ fn scripts_read_the_rate_of_a_moved_imu() {
         [[task]]\ntype = \"script\"\nfile = {:?}\n",
         folder.path().join("look.luau")
     ));
-    super::support::finish(&mut sim, &mut stiction::sim::NullObserver);
+    crate::support::runs::finish(&mut sim, &mut stiction::sim::NullObserver);
 }

@@ -2,7 +2,7 @@
 //! for any heading.
 
 use super::body::{Body, G};
-use super::support::{TIGHT, rk4, run, simulation, watch};
+use crate::support::runs::{TIGHT, rk4, run, simulation, watch};
 use nalgebra::{Rotation3, Unit, UnitQuaternion, Vector3};
 
 struct Slope {

@@ -2,7 +2,7 @@
 //! following step.
 
 use super::body::G;
-use super::support::{TIGHT, run, watch};
+use crate::support::runs::{TIGHT, run, watch};
 
 #[test]
 fn a_sudden_push_slips_the_block_at_once() {

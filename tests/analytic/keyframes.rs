@@ -1,7 +1,7 @@
 //! Starts in the keyframes of an MJCF file.
 
-use super::support::simulation;
 use crate::cli::Place;
+use crate::support::runs::simulation;
 use std::path::Path;
 use stiction::robot::load;
 

@@ -1,7 +1,7 @@
 //! Flat landings: instant, loss, and floor friction on a body that lands while moving sideways.
 
 use super::body::{Body, G};
-use super::support::{TIGHT, run, watch};
+use crate::support::runs::{TIGHT, run, watch};
 
 fn base(body: &Body, height: f64, yaw: f64, velocity: [f64; 3]) -> String {
     let z = body.half[2] + height;

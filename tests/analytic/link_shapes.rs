@@ -2,7 +2,7 @@
 
 use super::body::G;
 use super::objects::assert_clean;
-use super::support::{TIGHT, finish, simulation};
+use crate::support::runs::{TIGHT, finish, simulation};
 use nalgebra::{Rotation3, Vector3};
 use std::fs;
 use std::path::PathBuf;

@@ -2,7 +2,7 @@
 
 use super::body::G;
 use super::objects::{assert_clean, finished, motion};
-use super::support::{TIGHT, finish, simulation};
+use crate::support::runs::{TIGHT, finish, simulation};
 use nalgebra::Vector3;
 use std::fmt::Write;
 use std::path::Path;

@@ -46,7 +46,6 @@ mod stall;
 mod standing;
 mod stepping;
 mod sunk;
-pub mod support;
 mod terrain;
 mod thrown;
 mod tipping;

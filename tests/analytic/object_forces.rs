@@ -3,7 +3,7 @@
 
 use super::body::G;
 use super::object_models::{File, finished, joint, jointed, link, object, velocity};
-use super::support::{finish, root, simulation};
+use crate::support::runs::{finish, root, simulation};
 use nalgebra::Vector3;
 use stiction::dynamics::State;
 use stiction::sim::NullObserver;

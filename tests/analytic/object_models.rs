@@ -1,7 +1,7 @@
 //! Objects of several links and of meshes, by closed forms and against the same mechanisms as robots.
 
 use super::body::G;
-use super::support::{finish, root, simulation};
+use crate::support::runs::{finish, root, simulation};
 use nalgebra::Vector3;
 use std::path::PathBuf;
 use stiction::dynamics::State;

@@ -1,7 +1,7 @@
 //! Objects on the floor, on each other and against each other, by their closed forms.
 
 use super::body::G;
-use super::support::{finish, simulation};
+use crate::support::runs::{finish, simulation};
 use nalgebra::Vector3;
 use stiction::sim::{Metrics, NullObserver, Simulation};
 

@@ -1,6 +1,6 @@
 //! The one-step method against the exact one, through slip, tipping and rocking.
 
-use super::support::run;
+use crate::support::runs::run;
 use stiction::sim::Metrics;
 
 /// HOAP-2 pushed forwards and sideways: both feet rotate on the floor, tip and land again.

@@ -2,7 +2,7 @@
 //! are located.
 
 use super::body::{Body, G};
-use super::support::{finish, run, simulation};
+use crate::support::runs::{finish, run, simulation};
 use stiction::sim::{Metrics, NullObserver};
 
 /// Integrator tables for steps of `h`, each with its order; adaptive ones have tolerances that are

@@ -16,7 +16,7 @@
 //! l)`, and the energy lost is `m v^2 (1 + 3 cos^2) / 8`.
 
 use super::body::{Body, G};
-use super::support::{Recording, TIGHT, finish, rk4, simulation};
+use crate::support::runs::{Recording, TIGHT, finish, rk4, simulation};
 use nalgebra::Vector3;
 use stiction::contact::model::state::SoleState;
 use stiction::sim::{NullObserver, Simulation};
@@ -354,7 +354,7 @@ fn the_scenarios_expect_the_values_of_the_equations() {
     let w = 0.75 * 0.5 * theta.sin() / L;
     let [end, _] = rk4([theta, w], 0.1, 4000, |_, [a, w]: &[f64; 2]| [*w, -0.75 * G / L * a.cos()]);
     let file = |name: &str| {
-        let path = super::support::root().join(format!("scenarios/validation/painleve-{name}.toml"));
+        let path = crate::support::runs::root().join(format!("scenarios/validation/painleve-{name}.toml"));
         stiction::scenario::load(&path).unwrap_or_else(|e| panic!("{e}")).expand(&[]).unwrap_or_else(|e| panic!("{e}"))
     };
     let expects = |name: &str, metric: &str, truth: f64, bar: f64| {

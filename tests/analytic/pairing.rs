@@ -1,7 +1,7 @@
 //! Combinations of methods and integrators: each cell of the table runs, or is refused with its
 //! position.
 
-use super::support::root;
+use crate::support::runs::root;
 use std::sync::atomic::AtomicBool;
 use stiction::assemble;
 use stiction::scenario;

@@ -3,7 +3,7 @@
 
 use super::body::{Body, G};
 use super::planar::{corners, derivative_on};
-use super::support::{TIGHT, rk4, run, simulation, watch};
+use crate::support::runs::{TIGHT, rk4, run, simulation, watch};
 use nalgebra::{Rotation3, Vector2, Vector3};
 use stiction::assemble;
 use stiction::robot;
@@ -344,7 +344,7 @@ fn a_vertical_floor_has_no_patches() {
         floor = { rpy = [\"90 deg\", 0, 0], patches = [{ polygon = [[0, 0], [1, 0], [1, 1]], friction = 0.1 }] }\n";
     let file = scenario::parse(std::path::Path::new("test.toml"), text).expect("its values are sound");
     let runs = file.expand(&[]).expect("one run");
-    let robot = robot::load(&super::support::root().join("robots/block/block.toml")).expect("the block");
+    let robot = robot::load(&crate::support::runs::root().join("robots/block/block.toml")).expect("the block");
     let errors = assemble::setup(&runs[0], &robot).err().expect("it is refused").to_string();
     assert!(errors.contains("are projected vertically") && errors.contains("test.toml:2"), "{errors}");
 }

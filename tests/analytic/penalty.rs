@@ -2,7 +2,7 @@
 //! slip velocity decreases.
 
 use super::body::{Body, G};
-use super::support::{finish, run, simulation, watch};
+use crate::support::runs::{finish, run, simulation, watch};
 use std::f64::consts::PI;
 use stiction::sim::{Metrics, NullObserver};
 

@@ -8,7 +8,7 @@
 //! ```
 
 use super::body::G;
-use super::support::{finish, rk4, simulation};
+use crate::support::runs::{finish, rk4, simulation};
 use stiction::sim::NullObserver;
 
 const M: f64 = 1.0;

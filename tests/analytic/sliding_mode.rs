@@ -1,7 +1,7 @@
 //! Sliding modes: states that alternate faster than steps resolve, instants at which the direct search
 //! finds no state, and slow sliding that is neither.
 
-use super::support::{hard_push, watch};
+use crate::support::runs::{hard_push, watch};
 use stiction::sim::SimEvent;
 
 /// Position (m) and yaw (rad) of the base of CB-i on a slope, in a run without sliding modes, which

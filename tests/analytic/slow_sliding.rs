@@ -12,7 +12,7 @@
 //! deviation of the direction at the rate g sin(theta) / s.
 
 use super::body::G;
-use super::support::{TIGHT, hard_push, run};
+use crate::support::runs::{TIGHT, hard_push, run};
 
 const ANGLE: f64 = 0.3;
 

@@ -2,7 +2,7 @@
 //! those that statics gives, and those on a plane.
 
 use super::body::G;
-use super::support::{finish, root};
+use crate::support::runs::{finish, root};
 use nalgebra::Vector3;
 use std::sync::{Arc, Mutex};
 use stiction::sim::{Metrics, NullObserver, Simulation};

@@ -2,7 +2,7 @@
 
 use super::body::{Body, G};
 use super::planar;
-use super::support::{TIGHT, rk4, run};
+use crate::support::runs::{TIGHT, rk4, run};
 
 fn scenario(body: &Body, mu: f64, velocity: [f64; 2], spin: f64, duration: f64) -> String {
     let base =

@@ -2,7 +2,7 @@
 //! tolerances.
 
 use super::body::G;
-use super::support::{finish, run, setup, simulation, watch};
+use crate::support::runs::{finish, run, setup, simulation, watch};
 use nalgebra::Vector3;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -62,7 +62,7 @@ fn contrary(base: &str, duration: f64, force: f64) -> Metrics {
         floor = {{ friction = 0.2 }}
         log = {{ rate = 0 }}\n"
     );
-    let file = stiction::scenario::parse(&super::support::root().join("t.toml"), &text).unwrap();
+    let file = stiction::scenario::parse(&crate::support::runs::root().join("t.toml"), &text).unwrap();
     let runs = file.expand(&[]).unwrap();
     let robot = stiction::robot::load(&runs[0].resolve(&runs[0].scenario.robot.model)).unwrap();
     let mut setup = assemble::setup(&runs[0], &robot).unwrap();

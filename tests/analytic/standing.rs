@@ -1,7 +1,7 @@
 //! HOAP-2 on its feet, and the errors of the fixed-step method.
 
 use super::body::G;
-use super::support::{finish, run, simulation, watch};
+use crate::support::runs::{finish, run, simulation, watch};
 use stiction::sim::NullObserver;
 
 fn standing(method: &str, duration: f64, integrator: &str) -> String {

@@ -2,7 +2,7 @@
 //! predicted.
 
 use super::body::{Body, G};
-use super::support::{root, run, simulation, watch};
+use crate::support::runs::{root, run, simulation, watch};
 use nalgebra::{Rotation2, Vector2};
 use std::f64::consts::{PI, TAU};
 use stiction::assemble;

@@ -1,7 +1,7 @@
 //! A run ends as `fallen` when a link that does not touch the floor has sunk through it.
 
 use super::body::G;
-use super::support::{root, run, simulation};
+use crate::support::runs::{root, run, simulation};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::atomic::AtomicBool;
 use stiction::dynamics::{State, Workspace, kinematics};

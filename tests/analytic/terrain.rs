@@ -1,7 +1,7 @@
 //! Contact with terrain: seams that change nothing, borders over which bodies tip, and robots on boxes.
 
 use super::body::G;
-use super::support::{finish, root, simulation};
+use crate::support::runs::{finish, root, simulation};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::fmt::Write;
 use stiction::Scenario;

@@ -1,6 +1,6 @@
 //! Bodies thrown at each other: without a closed form, but with conditions that hold at all times.
 
-use super::support::{finish, simulation};
+use crate::support::runs::{finish, simulation};
 use stiction::sim::NullObserver;
 
 /// A vertex that becomes a pivot out of a slow slip is brought to rest. It was left moving at 0.1 m/s where only

@@ -1,7 +1,7 @@
 //! A body pushed high tips; one pushed low slides; one that slides fast does not hop.
 
 use super::body::{Body, G};
-use super::support::{TIGHT, rk4, run, watch};
+use crate::support::runs::{TIGHT, rk4, run, watch};
 
 /// A push along the body's x axis, growing from 0 to `full` over `time`, `height` above the floor.
 fn push(body: &Body, yaw: f64, mu: f64, height: f64, full: f64, time: f64, duration: f64) -> String {

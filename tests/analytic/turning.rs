@@ -3,7 +3,7 @@
 
 use super::body::{Body, G};
 use super::objects::{assert_clean, motion};
-use super::support::{Recording, TIGHT, finish, run, simulation, watch};
+use crate::support::runs::{Recording, TIGHT, finish, run, simulation, watch};
 use nalgebra::{Matrix2, Vector2, Vector3};
 use stiction::sim::{Metrics, NullObserver, Simulation};
 

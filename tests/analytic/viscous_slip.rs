@@ -3,7 +3,7 @@
 
 use super::body::{Body, G};
 use super::objects::{assert_clean, finished, motion};
-use super::support::{TIGHT, finish, run, simulation};
+use crate::support::runs::{TIGHT, finish, run, simulation};
 use nalgebra::Vector3;
 use stiction::sim::NullObserver;
 

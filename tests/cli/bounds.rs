@@ -91,7 +91,7 @@ fn messages_of_scripts_are_shortened_everywhere() {
         );
         assert!(message.contains("END at 0."), "{message}");
     }
-    let all: u64 = crate::same::files(&place.path("results"))
+    let all: u64 = crate::support::same::files(&place.path("results"))
         .iter()
         .map(|file| place.path("results").join(file).metadata().unwrap().len())
         .sum();

@@ -7,7 +7,7 @@ use polars_io::parquet::read::ParquetReader;
 use stiction::results::SAMPLE_SIZE;
 
 use super::Place;
-use crate::same::rows;
+use crate::support::same::rows;
 
 #[test]
 fn the_summary_has_all_runs_in_plan_order_beyond_the_memory_sample() {

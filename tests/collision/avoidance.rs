@@ -2,7 +2,7 @@
 //! unobstructed motion is unchanged.
 
 use super::cbi;
-use crate::identities::allocations;
+use crate::support::counting;
 use std::sync::{Arc, LazyLock};
 use stiction::collision::avoidance::{Avoider, JointCommands, Limits, Settings};
 use stiction::collision::{CollisionModel, Detector, LinkPose, link_poses};
@@ -340,7 +340,7 @@ fn repeated_runs_have_equal_bits_without_allocation() {
                 position: &mut position,
                 velocity: &mut velocity,
             };
-            let allocated = allocations::count(|| one.avoider.tick(model, t, &mut commanded));
+            let allocated = counting::count(|| one.avoider.tick(model, t, &mut commanded));
             assert_eq!(allocated, 0, "method {method}, tick {k}");
             let (repeated, _) = other.tick_once(desired);
             assert!(

@@ -2,7 +2,7 @@
 //! work is counted.
 
 use super::cbi;
-use crate::identities::allocations;
+use crate::support::counting;
 use stiction::collision::{CollisionModel, Detector, LinkPose, link_poses};
 use stiction::random::Stream;
 use stiction::robot::Model;
@@ -95,7 +95,7 @@ fn queries_allocate_nothing() {
     let mut depths = 0;
     for _ in 0..300 {
         motion.next(&robot.model);
-        let allocations = allocations::count(|| {
+        let allocations = counting::count(|| {
             stiction::collision::extrapolate(&robot.model, &motion.q, &still, &still, 0.1, &mut ahead);
             link_poses(&robot.model, &ahead, &mut poses);
             detector.set_poses(&model, &poses);

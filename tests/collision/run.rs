@@ -1,6 +1,6 @@
 //! `[self_collision]` in a run: reported values against closed forms, and the effect of avoidance.
 
-use crate::analytic::support::Recording;
+use crate::support::runs::Recording;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;

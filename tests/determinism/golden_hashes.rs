@@ -14,7 +14,7 @@ use mcap::MessageStream;
 use serde_json::Value;
 
 use crate::cli::Place;
-use crate::same::files;
+use crate::support::same::files;
 
 /// A short run: its name, the scenario and settings. Each scenario file has one run with these.
 struct GoldenRun {

@@ -1,7 +1,7 @@
 //! The log does not change the motion: it only evaluates between the ends of steps.
 
 use crate::cli::{Place, Table};
-use crate::same::is_time;
+use crate::support::same::is_time;
 
 /// Cells of the rows, without times, the key, evaluations, which include those for the log, and the
 /// distances from the reference, which are sampled at the rate of the log.

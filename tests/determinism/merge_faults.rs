@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use super::run;
 use crate::cli::{Done, Place};
-use crate::same::{assert_same, files};
+use crate::support::same::{assert_same, files};
 
 const FILES: [&str; 3] = ["thrown.toml", "compared.toml", "silent.toml"];
 

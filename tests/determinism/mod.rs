@@ -16,7 +16,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::cli::{Place, Table};
-use crate::same::{assert_same, files, rows};
+use crate::support::same::{assert_same, files, rows};
 
 /// Thrown blocks that tumble, slide and stick, with all methods that can land: impacts and changes
 /// of state in every run.

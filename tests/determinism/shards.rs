@@ -6,7 +6,7 @@ use stiction::results::RunRecord;
 
 use super::{FILES, REFERENCES, RUNS, run, scenarios};
 use crate::cli::Place;
-use crate::same::{assert_same, files};
+use crate::support::same::{assert_same, files};
 
 /// Runs all shards of the scenarios, each with a different number of threads.
 fn shards(place: &Place, of: usize) -> Vec<String> {

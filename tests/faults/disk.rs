@@ -10,7 +10,7 @@ use stiction::files::RecordError;
 
 use super::{ARGUMENTS, EXIT_CODE, assert_all_files_complete, batch};
 use crate::cli::{Done, Place};
-use crate::same::assert_same;
+use crate::support::same::assert_same;
 
 /// Runs the program with a limit on the size of files. The limit is in blocks of the shell, of 512
 /// or 1024 bytes. The system sends SIGXFSZ at a write beyond the limit, which then fails.

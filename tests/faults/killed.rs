@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 
 use super::{ARGUMENTS, EXIT_CODE, assert_all_files_complete, batch};
 use crate::cli::{Done, Place};
-use crate::same::{assert_same, files};
+use crate::support::same::{assert_same, files};
 
 /// Number of kills.
 const KILLS: usize = 50;

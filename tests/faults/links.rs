@@ -7,7 +7,7 @@ use std::os::unix::fs::symlink;
 use std::path::Path;
 
 use crate::cli::Place;
-use crate::same::files;
+use crate::support::same::files;
 
 /// Creates a folder next to the results with two files, one named like a record.
 fn create_elsewhere(place: &Place) {

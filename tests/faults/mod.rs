@@ -12,7 +12,7 @@ mod summary;
 use std::path::Path;
 
 use crate::cli::Place;
-use crate::same::files;
+use crate::support::same::files;
 
 /// Asserts that all files of a batch are complete. Unfinished files have the extension `.partial`.
 #[track_caller]

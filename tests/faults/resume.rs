@@ -6,7 +6,7 @@ use stiction::results::RunRecord;
 
 use super::{ARGUMENTS, EXIT_CODE, batch};
 use crate::cli::{Done, Place};
-use crate::same::assert_same;
+use crate::support::same::assert_same;
 
 fn resume(place: &Place, arguments: &[&str]) -> Done {
     place.runner(&[arguments, &["--resume"]].concat())

@@ -2,7 +2,7 @@
 
 use super::{ARGUMENTS, EXIT_CODE, batch};
 use crate::cli::Place;
-use crate::same::assert_same;
+use crate::support::same::assert_same;
 
 const SUMMARY: [&str; 3] = ["summary.csv", "summary.parquet", "report.html"];
 

@@ -2,7 +2,7 @@
 
 use super::fly;
 use crate::analytic::body::{Body, G};
-use crate::analytic::support::{Recording, TIGHT, finish, run, simulation};
+use crate::support::runs::{Recording, TIGHT, finish, run, simulation};
 use nalgebra::{Rotation3, Vector3};
 use stiction::dynamics::body::momentum;
 use stiction::sim::NullObserver;

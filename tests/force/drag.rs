@@ -2,7 +2,7 @@
 
 use super::{G, fly};
 use crate::analytic::body::Body;
-use crate::analytic::support::{finish, simulation};
+use crate::support::runs::{finish, simulation};
 use nalgebra::Vector3;
 use stiction::sim::NullObserver;
 

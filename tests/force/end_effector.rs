@@ -1,6 +1,6 @@
 //! Forces given in the frame of an end effector equal forces given in the frame of its link.
 
-use crate::analytic::support::{Recording, TIGHT, root, watch};
+use crate::support::runs::{Recording, TIGHT, root, watch};
 use std::fs;
 use stiction::{assemble, robot, scenario};
 use tempfile::TempDir;

@@ -2,7 +2,7 @@
 
 use super::End;
 use crate::analytic::body::Body;
-use crate::analytic::support::{Recording, TIGHT, finish, simulation};
+use crate::support::runs::{Recording, TIGHT, finish, simulation};
 use nalgebra::Vector3;
 
 /// A box in the air without gravity: its final state, and the events of a kind.

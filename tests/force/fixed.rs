@@ -1,6 +1,6 @@
 //! Forces on a link that is fixed to the world are refused: they could not move it.
 
-use crate::analytic::support::root;
+use crate::support::runs::root;
 use stiction::{assemble, robot, scenario};
 
 #[test]

@@ -10,7 +10,7 @@ mod random_pushes;
 mod spring;
 
 use crate::analytic::body::Body;
-use crate::analytic::support::{TIGHT, finish, simulation};
+use crate::support::runs::{TIGHT, finish, simulation};
 use nalgebra::Vector3;
 use stiction::sim::{Metrics, NullObserver};
 

@@ -2,7 +2,7 @@
 
 use super::{End, G, fly};
 use crate::analytic::body::Body;
-use crate::analytic::support::{Recording, finish, rk4, simulation};
+use crate::support::runs::{Recording, finish, rk4, simulation};
 use nalgebra::Vector3;
 use stiction::sim::NullObserver;
 

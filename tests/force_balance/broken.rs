@@ -1,6 +1,6 @@
 //! Entries that do not fit the robot are refused with their positions.
 
-use crate::analytic::support::root;
+use crate::support::runs::root;
 use stiction::{assemble, robot, scenario};
 
 /// The error of a scenario.

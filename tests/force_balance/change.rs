@@ -10,7 +10,7 @@
 //! ```
 
 use super::standing::HOAP;
-use crate::analytic::support::{run, watch};
+use crate::support::runs::{run, watch};
 use nalgebra::Vector3;
 use std::fs;
 use tempfile::TempDir;
@@ -118,7 +118,7 @@ fn the_centre_of_mass_reaches_a_new_offset_without_jumps() {
         "change = [{ at = 2.0, force = { offset = [0.02, 0, 0] } },
                    { at = 2.25, force = { offset = [0.005, -0.01, 0.004], approach = 1.0 } }]",
     ));
-    let end = |recorded: &crate::analytic::support::Recording| recorded.snapshots.last().expect("the end").com;
+    let end = |recorded: &crate::support::runs::Recording| recorded.snapshots.last().expect("the end").com;
     // The remaining error is 6e-6 m in height, 0.02 N of a weight of 70 N, with and without the
     // springs of the joints. With end stops, a joint pressed against one by its spring would leave
     // 3e-5 m.

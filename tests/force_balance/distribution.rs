@@ -1,7 +1,7 @@
 //! The distribution of a wrench over contacts against closed forms and optimality conditions.
 
-use crate::identities::allocations::count;
 use crate::identities::random_tree::Random;
+use crate::support::counting::count;
 use nalgebra::{Matrix3, Vector3};
 use stiction::task::balance::distribution::{Distribution, Measure, VERTICAL, Wrench};
 

@@ -2,9 +2,9 @@
 
 use super::standing::HOAP;
 use crate::analytic::body::G;
-use crate::analytic::support::{root, simulation};
-use crate::identities::allocations::count;
 use crate::identities::random_tree::Random;
+use crate::support::counting::count;
+use crate::support::runs::{root, simulation};
 use nalgebra::{UnitQuaternion, Vector3};
 use stiction::dynamics::{State, Workspace, body, kinematics, link_force, rnea};
 use stiction::geometry::Plane;

@@ -1,6 +1,6 @@
 //! Robots that stand, and are pushed, under force control.
 
-use crate::analytic::support::{run, watch};
+use crate::support::runs::{run, watch};
 use nalgebra::Vector3;
 
 /// HOAP-2 on its soles.
@@ -79,7 +79,7 @@ fn joints_follow_other_tasks_during_balance() {
     let wave = "[[task]]\ntype = \"posture\"\nduration = 1.0\njoints = { left_elbow = -1.0, head_pan = 0.5 }\n";
     let (_, recorded) = watch(&format!("{HOAP}{wave}{BALANCE}"));
     let end = recorded.snapshots.last().expect("the last state is always reported");
-    let model = crate::analytic::support::simulation(HOAP).plant().model.clone();
+    let model = crate::support::runs::simulation(HOAP).plant().model.clone();
     let position = |name: &str| end.q[model.joint(name).expect("it has one").0];
     // The centre of mass is not where it was at home, so not all joints can reach their commands.
     // The legs deviate by its 4 mm over their 0.2 m, 0.02 rad, and the others by less.

@@ -1,9 +1,9 @@
 //! Data passed to tasks, by identities: forces add up to the sensed wrench, Jacobians are
 //! derivatives, nothing allocates.
 
-use super::allocations::count;
 use super::numeric::GRAVITY;
 use super::random_tree::{Random, state, tree};
+use crate::support::counting::count;
 use nalgebra::{Rotation3, Vector3};
 use stiction::geometry::Plane;
 use stiction::robot::{Base, LinkId, Model, Sole};

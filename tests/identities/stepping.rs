@@ -1,7 +1,7 @@
 //! The stepping loop allocates nothing after the first step.
 
-use super::allocations::count;
-use crate::analytic::support::simulation;
+use crate::support::counting::count;
+use crate::support::runs::simulation;
 use stiction::sim::NullObserver;
 
 /// HOAP-2 stands and sways under a push; no event falls into the counted steps.

@@ -4,9 +4,9 @@
 //! because they allocate its message. Scripts allocate tables in Luau's own heap, which counts as
 //! well: see the last test.
 
-use super::allocations::{balance, count};
 use crate::analytic::imu::{HEAD, HOAP2, with};
-use crate::analytic::support::simulation;
+use crate::support::counting::{balance, count};
+use crate::support::runs::simulation;
 use std::fmt::Write;
 use stiction::scenario::schema;
 use stiction::sim::{NullObserver, Observer, SimEvent, Simulation, Snapshot};

@@ -2,7 +2,7 @@
 
 use super::numeric::{GRAVITY, assert_near, dense, prepared};
 use super::random_tree::{Random, samples};
-use crate::identities::allocations::count;
+use crate::support::counting::count;
 use nalgebra::{DMatrix, DVector};
 use stiction::dynamics::{aba, body, factor, rnea};
 use stiction::robot::{JointId, Model, Transmission};

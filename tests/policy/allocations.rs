@@ -3,7 +3,7 @@
 use super::folder;
 use super::onnx_file::identity;
 use super::support::{hoap2, setup};
-use crate::identities::allocations::{balance, count};
+use crate::support::counting::{balance, count};
 use stiction::sim::{NullObserver, Simulation};
 
 #[test]

@@ -7,8 +7,8 @@ use stiction::sim::Simulation;
 use super::folder;
 use super::onnx_file::{FLOAT, constant, file, node, value};
 use super::support::{hoap2, setup};
-use crate::cli::Place;
-use crate::same::assert_same;
+use crate::support::place::Place;
+use crate::support::same::assert_same;
 
 /// A recurrent network with history and previous actions: h' = tanh(h + x W), y = h' V.
 fn recurrent() -> Vec<u8> {

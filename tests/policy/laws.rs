@@ -5,7 +5,7 @@ use stiction::robot::DriveMode;
 use super::folder;
 use super::onnx_file::{FLOAT, affine, constant, file, identity, node, value};
 use super::support::{hoap2, setup, ticks};
-use crate::motion::Folder;
+use crate::support::folder::Folder;
 
 const COMMAND: &str = "observations = [{ term = \"command\", values = [0.5, -3.0] }]";
 

@@ -17,7 +17,7 @@ mod support;
 
 use std::fs;
 
-use crate::motion::Folder;
+use crate::support::folder::Folder;
 
 /// A folder with a network `n.onnx`.
 fn folder(network: impl AsRef<[u8]>) -> Folder {

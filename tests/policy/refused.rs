@@ -200,7 +200,7 @@ mod networks {
             damaged[i] ^= 1 << (i % 8);
             std::fs::write(folder.path().join("n.onnx"), damaged).expect("the folder is writable");
             let run = folder.run(&super::text(TASK)).unwrap_or_else(|e| panic!("{e}"));
-            accepted += usize::from(stiction::assemble::setup(&run, &crate::motion::robot_of(&run)).is_ok());
+            accepted += usize::from(stiction::assemble::setup(&run, &crate::support::folder::robot_of(&run)).is_ok());
         }
         println!("{accepted} of {} accepted", whole.len());
     }

@@ -6,7 +6,7 @@ use stiction::sim::Setup;
 use stiction::task::server::TickInput;
 use stiction::task::{Command, SensorReadings};
 
-use crate::motion::{Folder, robot_of};
+use crate::support::folder::{Folder, robot_of};
 
 /// A scenario of HOAP-2 with the task whose keys after `file` are given.
 pub fn hoap2(task: &str) -> String {

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use crate::cli::Place;
-use crate::same::{assert_same, files};
+use crate::support::same::{assert_same, files};
 
 /// A sweep above the limit of one folder, of which a filter selects twelve runs.
 fn large() -> Place {

@@ -2,7 +2,7 @@
 //! gives the same bits.
 
 use crate::analytic::falls;
-use crate::analytic::support::simulation;
+use crate::support::runs::simulation;
 use std::sync::atomic::AtomicBool;
 use stiction::contact::selection_record::{SelectionRecord, SelectionResult};
 use stiction::log::{MAX_PROBLEMS, ProblemRecord, ProblemWriter};

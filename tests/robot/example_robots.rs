@@ -10,7 +10,7 @@ use serde_json::Value;
 use stiction::robot::{InertiaPolicy, Robot, load_with};
 
 use super::finding::polygon;
-use crate::analytic::support;
+use crate::support::runs;
 
 /// URDFs refused as shipped: the path, text of the error, and how many of Pinocchio's joints the
 /// repair locks.
@@ -137,7 +137,7 @@ fn stand(urdf: &Path, kp: f64, kd: f64) -> f64 {
         "duration = 5.0\n[robot]\nmodel = {urdf:?}\njoint_default = {{ kp = {kp}, kd = {kd} }}\n\
          [integrator]\nmethod = \"semi-implicit\"\nstep = 1e-3\n[log]\nrate = 50.0\n"
     );
-    let (metrics, notice) = support::watch(&text);
+    let (metrics, notice) = runs::watch(&text);
     assert_eq!(metrics.inconsistent, 0);
     let settled = notice.snapshots.iter().filter(|s| s.time >= 1.0);
     let base: Vec<Vector3<f64>> = settled.map(|s| s.base_pose.translation.vector).collect();

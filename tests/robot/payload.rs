@@ -1,6 +1,6 @@
 //! Payloads that a robot file welds to links.
 
-use crate::analytic::support::simulation;
+use crate::support::runs::simulation;
 use nalgebra::{Point3, Vector3};
 use stiction::robot::Geometry;
 use stiction::robot::adjustments::add_payload;

@@ -2,7 +2,7 @@
 
 use super::{FORCE, ScriptedRun, passes, pendulum};
 use crate::analytic::body::Body;
-use crate::analytic::support::{Recording, TIGHT};
+use crate::support::runs::{Recording, TIGHT};
 use nalgebra::Vector3;
 use std::sync::atomic::AtomicBool;
 use stiction::sim::{NullObserver, Outcome};

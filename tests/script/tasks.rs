@@ -1,7 +1,7 @@
 //! Tasks in Luau: their data and commands.
 
 use super::{ScriptedRun, TASK, passes, pendulum, robot};
-use crate::analytic::support::Recording;
+use crate::support::runs::Recording;
 use std::sync::atomic::AtomicBool;
 use stiction::sim::{NullObserver, Outcome};
 

@@ -3,7 +3,7 @@
 use std::fs;
 
 use super::{Site, exists, real, submit};
-use crate::same::{assert_same, files};
+use crate::support::same::{assert_same, files};
 
 #[test]
 fn merged_results_equal_those_of_one_batch() {

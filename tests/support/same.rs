@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::cli::Table;
+use super::place::Table;
 
 /// Columns of the summary that differ between equal runs.
 pub fn is_time(column: &str) -> bool {

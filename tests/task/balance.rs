@@ -1,6 +1,6 @@
 //! `balance` with `control = "position"` in short simulations.
 
-use crate::analytic::support::{simulation, watch};
+use crate::support::runs::{simulation, watch};
 use std::sync::atomic::AtomicBool;
 use stiction::dynamics::body;
 use stiction::sim::NullObserver;

@@ -1,7 +1,7 @@
 //! Whole-body inverse kinematics on HOAP-2.
 
 use super::hoap2;
-use crate::identities::allocations::count;
+use crate::support::counting::count;
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 use stiction::dynamics::Motion;
 use stiction::robot::Model;

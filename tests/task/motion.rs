@@ -1,6 +1,6 @@
 //! `squat` and `walk` in short simulations.
 
-use crate::analytic::support::{simulation, watch};
+use crate::support::runs::{simulation, watch};
 use nalgebra::Vector3;
 use std::sync::atomic::AtomicBool;
 use stiction::dynamics::body;

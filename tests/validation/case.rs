@@ -6,7 +6,7 @@ use stiction::robot::{Model, load};
 use stiction::scenario::{self, BaseSpec, ForceSpec, PushForce, Run};
 
 use crate::analytic::body::G;
-use crate::analytic::support::root;
+use crate::support::runs::root;
 
 /// The folder of validation scenarios.
 pub fn folder() -> PathBuf {

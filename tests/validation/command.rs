@@ -4,8 +4,8 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use super::case::{files, folder};
-use crate::analytic::support::root;
 use crate::cli::Table;
+use crate::support::runs::root;
 
 fn runner(arguments: &[&Path]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_runner")).args(arguments).current_dir(root()).output().expect("it starts")

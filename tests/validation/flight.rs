@@ -9,7 +9,7 @@ use stiction::sim::Simulation;
 use super::case::{Case, cases};
 use crate::analytic::body::G;
 use crate::analytic::pendulum;
-use crate::analytic::support::rk4;
+use crate::support::runs::rk4;
 
 /// A box thrown from `position`; its centre of mass at the end.
 pub fn boxes(case: &Case, _: usize, metric: &str) -> Option<f64> {

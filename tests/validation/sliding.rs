@@ -3,7 +3,7 @@
 use super::case::Case;
 use crate::analytic::body::{Body, G};
 use crate::analytic::planar;
-use crate::analytic::support::rk4;
+use crate::support::runs::rk4;
 
 fn norm([x, y, z]: [f64; 3]) -> f64 {
     (x * x + y * y + z * z).sqrt()

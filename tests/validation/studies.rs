@@ -5,7 +5,7 @@ use stiction::scenario;
 
 use crate::analytic::body::{Body, G};
 use crate::analytic::planar;
-use crate::analytic::support::{rk4, root};
+use crate::support::runs::{rk4, root};
 
 #[test]
 fn values_of_the_block_follow_from_its_motion() {

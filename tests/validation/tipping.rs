@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use crate::analytic::body::G;
-use crate::analytic::support::rk4;
+use crate::support::runs::rk4;
 
 /// Height of the push above the floor and its full size; it acts along the box's x axis.
 fn pushed(case: &Case) -> (f64, f64) {

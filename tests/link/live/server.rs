@@ -7,8 +7,8 @@ use stiction::log::{ChannelInfo, LogWriter, MessageSink, TopicGroups};
 use stiction::sim::Observer;
 
 use super::viewer::{ServerMessage, Viewer};
-use crate::identities::allocations::count;
 use crate::record::sample;
+use crate::support::counting::count;
 
 fn server() -> LiveServer {
     LiveServer::start("127.0.0.1:0".parse().unwrap()).unwrap()
