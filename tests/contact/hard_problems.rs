@@ -188,7 +188,7 @@ fn condensed_problems_have_the_motions_of_the_whole() {
 }
 
 /// A step of a sliding mode of centauro on its wheels, pushed. Where the points do not converge once all that slip
-/// have kinetic friction, a fresh start with static friction leads there again.
+/// have kinetic friction, a fresh start with static friction leads there again: more than one would never end.
 #[test]
 fn attempts_with_points_end_where_kinetic_friction_has_no_solution() {
     let text = include_str!("wheels_problem.json");
