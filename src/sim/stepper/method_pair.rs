@@ -38,8 +38,10 @@ const LIMITED: f64 = 2.5;
 /// Number of such steps after which forces become implicit, less one for each six that are not.
 const STIFF_STEPS: u32 = 12;
 /// Product of a step and the rate of the implicit forces up to which explicit steps cost less: they are stable to 3.3,
-/// and a step of the Rosenbrock method costs some three of them.
-const EASY: f64 = 10.0;
+/// and a step of the Rosenbrock method costs 1.3 of them with the 31 implicit forces of G1.
+const EASY: f64 = 6.0;
+/// The same on a compliant floor, whose springs are many and change: such steps cost three of them.
+const EASY_ON_SPRINGS: f64 = 10.0;
 /// The same where friction is stiff too: its steps cost as much without the forces.
 const EASY_WITH_FRICTION: f64 = 0.5;
 /// Product of a step with friction alone and the rate of the forces above which these may limit it. Such steps are
@@ -85,6 +87,8 @@ struct Implicit {
     choice: ImplicitSteps,
     /// Whether they are implicit in the next step.
     are_implicit: bool,
+    /// Product of a step and their rate up to which explicit steps cost less.
+    easy: f64,
     /// Steps that count towards the next change.
     count: u32,
     /// Accepted steps with implicit forces since the last change.
@@ -126,6 +130,7 @@ impl MethodPair {
                 forces: ImplicitForces::default(),
                 choice,
                 are_implicit: choice == ImplicitSteps::Always,
+                easy: if plant.is_compliant() { EASY_ON_SPRINGS } else { EASY },
                 count: 0,
                 stay: 0,
                 reluctance: 1,
@@ -334,7 +339,7 @@ impl Implicit {
             return;
         }
         self.stay = self.stay.saturating_add(1);
-        let easy = if self.has_friction { EASY_WITH_FRICTION } else { EASY };
+        let easy = if self.has_friction { EASY_WITH_FRICTION } else { self.easy };
         self.count = if next * self.rate < easy { self.count + 1 } else { 0 };
         if self.count >= EASY_STEPS && self.choice == ImplicitSteps::Auto {
             let is_short = self.stay < SHORT_STAY;
