@@ -155,6 +155,7 @@ pub mod web;
 pub mod setup {
     pub use crate::collision::avoidance::Settings as AvoidanceSettings;
     pub use crate::integrate::{BS23, DOPRI5, RK4, Tableau};
+    pub use crate::sim::actuation::kinematic_paths::Interpolation;
     pub use crate::sim::floor::{Floor, patch::Patch};
     pub use crate::sim::self_collision::SelfCollisionSetup;
     pub use crate::sim::sensing::{channel_error::SensorErrors, estimator::EstimatorSetup, imu::Imu};
@@ -184,4 +185,4 @@ pub use nalgebra;
 pub use robot::{JointId, LinkId, Model, Robot, SoleId};
 pub use scenario::Run;
 pub use sim::{Metrics, Observer, Outcome, RunError, Setup, SimEvent, Simulation, Snapshot};
-pub use task::{Command, Context, Status, Task, TaskMemory, TaskResult};
+pub use task::{Command, Context, Foresight, Status, Task, TaskMemory, TaskResult};

@@ -15,12 +15,21 @@ struct Motion {
     kd: f64,
     swings: bool,
     interpolation: &'static str,
+    absolute_tolerance: f64,
 }
 
-const MOTIONS: [Motion; 3] = [
-    Motion { name: "stands", kd: 100.0, swings: false, interpolation: "hold" },
-    Motion { name: "arms swing", kd: 30.0, swings: true, interpolation: "hold" },
-    Motion { name: "arms swing, `cubic`", kd: 30.0, swings: true, interpolation: "cubic" },
+const MOTIONS: [Motion; 5] = [
+    Motion { name: "stands", kd: 100.0, swings: false, interpolation: "hold", absolute_tolerance: 1e-8 },
+    Motion { name: "arms swing", kd: 30.0, swings: true, interpolation: "hold", absolute_tolerance: 1e-8 },
+    Motion { name: "arms swing, `cubic`", kd: 30.0, swings: true, interpolation: "cubic", absolute_tolerance: 1e-8 },
+    Motion {
+        name: "arms swing, `continuous`",
+        kd: 30.0,
+        swings: true,
+        interpolation: "continuous",
+        absolute_tolerance: 1e-8,
+    },
+    Motion { name: "the same, 1e-6", kd: 30.0, swings: true, interpolation: "continuous", absolute_tolerance: 1e-6 },
 ];
 
 /// The servos of docs/scenario.md for G1; HOAP-2 weighs a fifth of it, and Talos more than such servos carry.
@@ -34,10 +43,10 @@ fn servos(robot: &Standing, motion: &Motion) -> Servos {
 
 fn simulation(robot: &Standing, motion: &Motion, method: &str) -> Simulation {
     let keys = format!(
-        "integrator = {{ method = \"{method}\" }}
+        "integrator = {{ method = \"{method}\", absolute_tolerance = {} }}
         control = {{ interpolation = \"{}\" }}
         log = {{ rate = 0.0 }}",
-        motion.interpolation
+        motion.absolute_tolerance, motion.interpolation
     );
     standing::after(robot.setup(&keys, &servos(robot, motion), motion.swings), 0)
 }

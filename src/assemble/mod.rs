@@ -43,6 +43,7 @@ use crate::scenario::{
     PatchSpec, Run, SunkLink, TouchingParts,
 };
 use crate::sim::Floor;
+use crate::sim::actuation::kinematic_paths::Interpolation as Paths;
 use crate::sim::floor::{LinkHull, Patch};
 use crate::sim::setup::{ContactSetup, Forced, ImplicitSteps, IntegratorSetup, Setup};
 use nalgebra::{Rotation3, Vector3};
@@ -139,7 +140,11 @@ pub fn setup_with(run: &Run, robot: &Robot, models: &[Arc<Robot>]) -> Result<Set
         integrator,
         start,
         joint_stops: s.robot.joint_limits == JointLimits::Stop,
-        interpolates_commands: s.control.interpolation == Interpolation::Cubic,
+        interpolation: match s.control.interpolation {
+            Interpolation::Hold => Paths::Hold,
+            Interpolation::Cubic => Paths::Cubic,
+            Interpolation::Continuous => Paths::Continuous,
+        },
         tasks,
         command_source: None,
         forces,

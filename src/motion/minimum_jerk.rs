@@ -38,6 +38,11 @@ impl SmoothTransition {
         *self = SmoothTransition { from: self.value(time), to: value, start: time, duration };
     }
 
+    /// The end of the last change, s.
+    pub fn end(&self) -> f64 {
+        self.start + self.duration
+    }
+
     /// Value at a time.
     pub fn value(&self, time: f64) -> f64 {
         match minimum_jerk(time - self.start, self.duration).0 {

@@ -30,6 +30,7 @@ impl Simulation {
         let known = run.carried.count();
         run.carried.extend(setup.carried_objects.into_iter().skip(known));
         run.tasks.extend_with(setup.tasks);
+        run.tasks.resume_ticks(run.plant.state.time);
         run.events.truncate(run.events_done);
         run.events.extend(setup.events.into_iter().skip(run.events_done));
         run.saved.resize_with(setup.saved_states, || SavedState::new(&run.plant, &run.anchors));
@@ -72,6 +73,7 @@ impl Simulation {
     pub fn add_task(&mut self, start: f64, task: Box<dyn Task>) {
         self.run.tasks.add(start, task);
         self.run.tasks.tick_always();
+        self.run.tasks.resume_ticks(self.run.plant.state.time);
         self.run.log.snapshot.points = snapshot::blank_points(&self.run.tasks);
     }
 

@@ -1,5 +1,6 @@
 //! Description of one run in physical terms. [`crate::assemble`] builds it from a scenario.
 
+use super::actuation::kinematic_paths::Interpolation;
 use super::bodies::{Body, Pair, PairRules};
 use super::carried_object::CarriedObject;
 use super::command_source::CommandSource;
@@ -121,8 +122,8 @@ pub struct Setup {
     pub start: Start,
     /// Do joint limits stop the joints?
     pub joint_stops: bool,
-    /// Whether position servos follow a path between two commands.
-    pub interpolates_commands: bool,
+    /// What position servos follow between two commands.
+    pub interpolation: Interpolation,
     /// Tasks, which compute joint commands.
     pub tasks: TaskServer,
     /// Source of joint commands, if not the tasks.
@@ -211,7 +212,7 @@ impl Setup {
                 v: vec![0.0; model.nv()],
             },
             joint_stops: true,
-            interpolates_commands: false,
+            interpolation: Interpolation::Hold,
             tasks: TaskServer::new(1000.0, &model, command),
             command_source: None,
             forces: Vec::new(),
@@ -258,7 +259,7 @@ impl Setup {
             pair_rules: std::mem::take(&mut self.pair_rules),
             terrain: self.terrain.clone(),
             joint_stops: self.joint_stops,
-            interpolates_commands: self.interpolates_commands,
+            interpolation: self.interpolation,
             forces: std::mem::take(&mut self.forces),
             command: self.tasks.command.clone(),
             rest: self.contact.tolerances.rest,

@@ -15,7 +15,7 @@ use super::measure::snapshot::{self, SnapshotLog};
 use super::plant::sole_impulses::SoleImpulses;
 use super::plant::system::{Plant, load_scale};
 use super::report::{AvoidanceTime, Metrics, Observer, Outcome, SimEvent};
-use super::run::{Deferral, RunState};
+use super::run::{CommandsAhead, Deferral, RunState};
 use super::run_error::RunError;
 use super::saved_state::SavedState;
 use super::self_collision::SelfCollisionMonitor;
@@ -88,6 +88,7 @@ impl Simulation {
         let mut run = RunState {
             tolerances,
             contact: setup.contact,
+            ahead: plant.kinematic_paths.looks_ahead().then(|| Box::new(CommandsAhead::new(&plant.command))),
             tasks: setup.tasks,
             command_source: setup.command_source,
             carried,
@@ -209,9 +210,14 @@ impl Simulation {
     pub fn step(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         let run = &mut self.run;
         let t = run.plant.state.time;
-        let ticks = run.tasks.next_tick().is_some_and(|tick| tick <= t);
+        let is_due = |run: &RunState| run.tasks.next_tick().is_some_and(|tick| tick <= t);
+        let mut ticks = is_due(run);
         let corner = run.corners.contains(&t);
         let restarts = corner && run.apply_due_events(observer)?;
+        if restarts {
+            run.tasks.resume_ticks(t);
+            ticks |= is_due(run);
+        }
         if corner {
             notify_forces(run, observer)?;
             run.update_carried_objects(observer)?;

@@ -14,6 +14,7 @@ pub mod augmented;
 pub mod balance;
 pub mod blend_in;
 pub mod command;
+pub mod foresight;
 pub mod gait;
 pub mod handover;
 pub mod kinematic;
@@ -32,6 +33,7 @@ pub mod walk;
 
 pub use augmented::AugmentedData;
 pub use command::Command;
+pub use foresight::Foresight;
 pub use needs::Needs;
 pub use point_of_interest::PointOfInterest;
 pub use sensor_readings::SensorReadings;
@@ -143,6 +145,15 @@ pub trait Task: Any + Send {
 
     /// Returns to what it remembered when it was saved.
     fn restore(&mut self, _saved: &TaskMemory) {}
+
+    /// How far ahead its commands are known after a call at `now`, s.
+    fn foresight(&self, _now: f64) -> Foresight {
+        Foresight::NONE
+    }
+
+    /// Sets the positions and velocities that [`run`](Self::run) would command at `time`, which is within its
+    /// [`foresight`](Self::foresight); at an end or kink of it, the limit from before. Must not allocate.
+    fn command_at(&mut self, _time: f64, _command: &mut Command) {}
 
     /// The augmented data it reads; queried before `init` and before every `run`.
     fn needs(&self) -> Needs {

@@ -9,7 +9,7 @@
 //! ([`super::blend_in`]).
 
 use super::blend_in::BlendIn;
-use super::{Command, Context, Status, Task, TaskResult, has_elapsed};
+use super::{Command, Context, Foresight, Status, Task, TaskResult, has_elapsed};
 use crate::motion::minimum_jerk::SmoothTransition;
 use crate::motion::spline::{Spline, TrajectoryPoint};
 use crate::robot::JointId;
@@ -111,6 +111,31 @@ impl Task for Playback {
 
     fn changes(&self) -> &[f64] {
         &self.times
+    }
+
+    fn foresight(&self, now: f64) -> Foresight {
+        // A motion's time that changes its speed, pauses or is over.
+        let (s, speed) = (self.motion_time(now), self.speed.value(now));
+        if now < self.speed.end() || speed <= 0.0 || (!self.repeat && s >= self.span.1) {
+            return Foresight::NONE;
+        }
+        let at = |motion: f64| now + (motion - s) / speed;
+        let (until, length) =
+            if self.repeat { (f64::INFINITY, self.span.1 - self.span.0) } else { (at(self.span.1), f64::INFINITY) };
+        // The next knots of this repetition and of the one after it.
+        let knots = [0.0, length].into_iter().flat_map(|lap| {
+            let after = s - lap + 1e-9 * speed;
+            self.joints.iter().filter_map(move |(_, spline)| Some(spline.knot_after(after)? + lap))
+        });
+        Foresight::new(now, until, knots.map(at).chain([self.start + self.blend]))
+    }
+
+    fn command_at(&mut self, time: f64, command: &mut Command) {
+        let (t, s) = (time - self.start, self.motion_time(time));
+        for i in 0..self.joints.len() {
+            let point = self.point(i, s, time);
+            self.offsets.apply(i, self.joints[i].0, t, &point, command);
+        }
     }
 
     fn name(&self) -> &str {

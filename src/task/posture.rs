@@ -6,7 +6,7 @@
 //!
 //! the quintic that starts and ends at rest without acceleration [Flash 1985, equation A9].
 
-use super::{Command, Context, Status, Task, TaskResult, has_elapsed};
+use super::{Command, Context, Foresight, Status, Task, TaskResult, has_elapsed};
 use crate::motion::minimum_jerk::minimum_jerk;
 use crate::robot::JointId;
 
@@ -27,6 +27,15 @@ impl Posture {
         let from = vec![0.0; targets.len()];
         Posture { targets, duration, start: 0.0, from }
     }
+
+    /// Commands all joints at `t` seconds after the start.
+    fn move_to(&self, t: f64, command: &mut Command) {
+        let (progress, rate) = if has_elapsed(t, self.duration) { (1.0, 0.0) } else { minimum_jerk(t, self.duration) };
+        for (from, (joint, to)) in self.from.iter().zip(&self.targets) {
+            command.position[joint.0] = if progress == 1.0 { *to } else { from + (to - from) * progress };
+            command.velocity[joint.0] = (to - from) * rate;
+        }
+    }
 }
 
 impl Task for Posture {
@@ -40,13 +49,16 @@ impl Task for Posture {
 
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         let t = context.time - self.start;
-        let done = has_elapsed(t, self.duration);
-        let (progress, rate) = if done { (1.0, 0.0) } else { minimum_jerk(t, self.duration) };
-        for (from, (joint, to)) in self.from.iter().zip(&self.targets) {
-            command.position[joint.0] = if progress == 1.0 { *to } else { from + (to - from) * progress };
-            command.velocity[joint.0] = (to - from) * rate;
-        }
-        Ok(if done { Status::Done } else { Status::Running })
+        self.move_to(t, command);
+        Ok(if has_elapsed(t, self.duration) { Status::Done } else { Status::Running })
+    }
+
+    fn foresight(&self, now: f64) -> Foresight {
+        Foresight::new(now, self.start + self.duration, [])
+    }
+
+    fn command_at(&mut self, time: f64, command: &mut Command) {
+        self.move_to(time - self.start, command);
     }
 
     fn name(&self) -> &str {

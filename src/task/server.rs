@@ -1,7 +1,9 @@
 //! The task server: starts, runs, changes and ends the tasks of a scenario.
 
 use super::handover::{Handover, TemporaryEfforts};
-use super::{AugmentedData, Command, Context, Needs, SensorReadings, Status, Task, TaskError, TaskFailure, TaskMemory};
+use super::{
+    AugmentedData, Command, Context, Foresight, Needs, SensorReadings, Status, Task, TaskError, TaskFailure, TaskMemory,
+};
 use crate::dynamics::State;
 use crate::geometry::Plane;
 use crate::robot::Model;
@@ -28,6 +30,8 @@ pub struct TaskServer {
     augmented: AugmentedData,
     rate: f64,
     tick: u64,
+    /// Number after that of the last tick: `tick`, unless ticks are left out.
+    following: u64,
     /// Whether it ticks even without active tasks.
     always: bool,
     /// Number of the next tick as set by a remote task server; inner none: no further tick.
@@ -69,6 +73,7 @@ impl TaskServer {
             augmented: AugmentedData::new(model),
             rate,
             tick: 0,
+            following: 0,
             always: false,
             remote_next: None,
         }
@@ -82,7 +87,7 @@ impl TaskServer {
     /// Counts the tick at `time` as run by a remote task server. `next` is its next tick; without
     /// one the command stays to the end. Tasks of this server are not called.
     pub fn set_remote_tick(&mut self, time: f64, next: Option<u64>) {
-        self.tick = (time * self.rate).round() as u64 + 1;
+        self.count_tick(time);
         self.remote_next = Some(next.map(|next| next.max(self.tick)));
     }
 
@@ -162,6 +167,67 @@ impl TaskServer {
         self.slots.iter().filter(|s| !s.ended).map(due).chain(decays).min_by(f64::total_cmp)
     }
 
+    fn count_tick(&mut self, time: f64) {
+        self.tick = (time * self.rate).round() as u64 + 1;
+        self.following = self.tick;
+    }
+
+    /// Sets the command to that of the tick before the one at `time`, if ticks were left out.
+    fn catch_up(&mut self, time: f64) {
+        let number = (time * self.rate).round() as u64;
+        if number > self.following {
+            let last = (number - 1) as f64 / self.rate;
+            self.slots.iter_mut().filter(|s| s.is_running()).for_each(|s| s.task.command_at(last, &mut self.command));
+        }
+    }
+
+    /// How far ahead commands are known after the tick at `now`. Commands of joints that an ended task has
+    /// released are not.
+    pub(crate) fn foresight(&self, now: f64) -> Foresight {
+        let decays = now < self.handover.until() + self.period();
+        if self.always || self.remote_next.is_some() || decays || !self.slots.iter().any(TaskSlot::is_running) {
+            return Foresight::NONE;
+        }
+        let known = |slot: &TaskSlot| match (slot.is_running(), slot.ended) {
+            (_, true) => Foresight::UNLIMITED,
+            (true, _) if slot.end_requested => Foresight::NONE,
+            (true, _) => {
+                let change = slot.task.changes().get(slot.changed).copied().unwrap_or(f64::INFINITY);
+                slot.task.foresight(now).within(change)
+            }
+            (false, _) => Foresight::UNLIMITED.within(slot.start),
+        };
+        self.slots.iter().map(known).fold(Foresight::UNLIMITED, Foresight::and)
+    }
+
+    /// Sets the positions and velocities at `time`, which is within the [`foresight`](Self::foresight); `command`
+    /// contains those of the last tick.
+    pub(crate) fn command_at(&mut self, time: f64, command: &mut Command) {
+        self.slots.iter_mut().filter(|s| s.is_running()).for_each(|slot| slot.task.command_at(time, command));
+    }
+
+    /// Number of ticks after the last one until `time`, s.
+    pub(crate) fn ticks_until(&self, time: f64) -> u64 {
+        let last = (time * self.rate + 1e-9).floor().max(0.0) as u64;
+        last.saturating_add(1).saturating_sub(self.following)
+    }
+
+    /// Time of the tick that is number `ticks` after the last one, s.
+    pub(crate) fn time_after(&self, ticks: u64) -> f64 {
+        (self.following - 1 + ticks) as f64 / self.rate
+    }
+
+    /// Leaves out the next `ticks` ticks, whose commands are known.
+    pub(crate) fn skip_ticks(&mut self, ticks: u64) {
+        self.tick = self.following + ticks;
+    }
+
+    /// Leaves out no tick after `time` any more, because commands may change otherwise than foreseen.
+    pub(crate) fn resume_ticks(&mut self, time: f64) {
+        let due = (time * self.rate - 1e-9).ceil().max(0.0) as u64;
+        self.tick = self.tick.min(due.max(self.following));
+    }
+
     /// Parts of the augmented data that the tasks read at a tick at `time`.
     pub fn needs(&self, time: f64) -> Needs {
         let soon = time + 1e-9 / self.rate;
@@ -185,7 +251,8 @@ impl TaskServer {
     /// The error of the first task that failed.
     pub fn run(&mut self, now: &TickInput, mut report: impl FnMut(&str, &str)) -> Result<(), TaskFailure> {
         let time = now.state.time;
-        self.tick = (time * self.rate).round() as u64 + 1;
+        self.catch_up(time);
+        self.count_tick(time);
         let soon = time + 1e-9 / self.rate;
         let active = |s: &TaskSlot| !s.ended && s.start <= soon;
         let needs = self.needs(time);
@@ -223,6 +290,7 @@ pub struct TaskProgress {
     command: Command,
     handover: Handover,
     tick: u64,
+    following: u64,
     remote_next: Option<Option<u64>>,
     slots: Vec<SlotProgress>,
 }
@@ -244,6 +312,7 @@ impl TaskServer {
             command: self.command.clone(),
             handover: self.handover.clone(),
             tick: self.tick,
+            following: self.following,
             remote_next: self.remote_next,
             slots: self.slots.iter().map(TaskSlot::progress).collect(),
         }
@@ -263,7 +332,7 @@ impl TaskServer {
         }
         self.command.copy_from(&progress.command);
         self.handover = progress.handover.clone();
-        (self.tick, self.remote_next) = (progress.tick, progress.remote_next);
+        (self.tick, self.following, self.remote_next) = (progress.tick, progress.following, progress.remote_next);
         for (slot, then) in self.slots.iter_mut().zip(&progress.slots) {
             (slot.begun, slot.ended, slot.end_requested) = (then.begun, then.ended, then.end_requested);
             (slot.changed, slot.temporary) = (then.changed, then.temporary.clone());
@@ -276,6 +345,10 @@ impl TaskServer {
 }
 
 impl TaskSlot {
+    fn is_running(&self) -> bool {
+        self.begun && !self.ended
+    }
+
     fn progress(&self) -> SlotProgress {
         SlotProgress {
             memory: self.task.save(),

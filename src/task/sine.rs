@@ -10,7 +10,7 @@
 //! new values within the ramp likewise. The phase is the integral of the frequency, in closed form,
 //! and therefore continuous through every change.
 
-use super::{Command, Context, Status, Task, TaskError, TaskResult, has_elapsed};
+use super::{Command, Context, Foresight, Status, Task, TaskError, TaskResult, has_elapsed};
 use crate::math;
 use crate::motion::minimum_jerk::{SmoothTransition, minimum_jerk};
 use crate::robot::{JointId, JointKind};
@@ -84,6 +84,24 @@ impl Sine {
         let (times, changes) = changes.into_iter().unzip();
         Sine { joints, duration, ramp, times, changes, limited, start: 0.0, present }
     }
+
+    /// r and r' at `t` seconds after the start.
+    fn rise(&self, t: f64) -> (f64, f64) {
+        let remaining = self.duration - t;
+        if remaining < self.ramp {
+            let (down, rate) = minimum_jerk(remaining.max(0.0), self.ramp);
+            return (down, -rate);
+        }
+        minimum_jerk(t, self.ramp)
+    }
+
+    /// Commands all joints at a time.
+    fn swing(&self, time: f64, command: &mut Command) {
+        let rise = self.rise(time - self.start);
+        for ((joint, _), now) in self.joints.iter().zip(&self.present) {
+            (command.position[joint.0], command.velocity[joint.0]) = now.at(time, rise);
+        }
+    }
 }
 
 impl PresentSwing {
@@ -125,17 +143,10 @@ impl Task for Sine {
     }
 
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
-        let t = context.time - self.start;
-        let remaining = self.duration - t;
-        let is_over = has_elapsed(t, self.duration);
-        let (up, up_rate) = minimum_jerk(t, self.ramp);
-        let (down, down_rate) =
-            if remaining < self.ramp { minimum_jerk(remaining.max(0.0), self.ramp) } else { (1.0, 0.0) };
-        let rise = if remaining < self.ramp { (down, -down_rate) } else { (up, up_rate) };
-        for ((joint, _), now) in self.joints.iter().zip(&self.present) {
-            let (q, qd) = now.at(context.time, rise);
-            command.position[joint.0] = q;
-            command.velocity[joint.0] = if is_over { 0.0 } else { qd };
+        let is_over = has_elapsed(context.time - self.start, self.duration);
+        self.swing(context.time, command);
+        if is_over {
+            self.joints.iter().for_each(|(joint, _)| command.velocity[joint.0] = 0.0);
         }
         Ok(if is_over { Status::Done } else { Status::Running })
     }
@@ -167,6 +178,16 @@ impl Task for Sine {
 
     fn changes(&self) -> &[f64] {
         &self.times
+    }
+
+    fn foresight(&self, now: f64) -> Foresight {
+        let end = self.start + self.duration;
+        let changes = self.present.iter().flat_map(|p| [p.amplitude.end(), p.frequency.end(), p.offset.end()]);
+        Foresight::new(now, end, changes.chain([self.start + self.ramp, end - self.ramp]))
+    }
+
+    fn command_at(&mut self, time: f64, command: &mut Command) {
+        self.swing(time, command);
     }
 
     fn name(&self) -> &str {

@@ -1,5 +1,6 @@
 //! Drives, limits, friction and lag of joints against closed forms and conservation laws.
 
+mod continuous;
 mod drives;
 mod friction;
 mod kinematic;

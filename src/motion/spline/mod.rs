@@ -125,6 +125,11 @@ impl Spline {
         (self.times[0], self.times[self.times.len() - 1])
     }
 
+    /// The first knot after time `t`, s.
+    pub fn knot_after(&self, t: f64) -> Option<f64> {
+        self.times.get(self.times.partition_point(|knot| *knot <= t)).copied()
+    }
+
     /// The point at time `t`. `cursor` (0 at first) remembers the interval, so that moving forward
     /// is fast.
     pub fn at(&self, t: f64, cursor: &mut usize) -> TrajectoryPoint {

@@ -63,6 +63,9 @@ pub enum Interpolation {
     Hold,
     /// A cubic to the next command, extrapolated from the last two: desired positions and velocities are continuous.
     Cubic,
+    /// The commands of tasks `posture`, `sine` and `playback` as functions of time, without ticks that would
+    /// bring nothing new. Elsewhere as `cubic`.
+    Continuous,
 }
 
 impl Interpolation {

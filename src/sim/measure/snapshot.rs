@@ -94,8 +94,7 @@ pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
         let is_applied = (servo - applied).abs() <= joint_efforts::effort_rounding(j, q, qd, command);
         *desired = if kinematic || is_applied { applied } else { servo };
     }
-    out.q_desired.copy_from_slice(&plant.command.position);
-    out.qd_desired.copy_from_slice(&plant.command.velocity);
+    plant.read_desired_motion(&mut out.q_desired, &mut out.qd_desired);
     out.object_poses.clear();
     for (object, ws) in plant.objects.list.iter().zip(&plant.objects.ws) {
         for (link, moved) in object.model.links.iter().zip(&ws.links) {

@@ -14,6 +14,7 @@
 
 use super::Plant;
 use crate::dynamics::reduced;
+use crate::sim::actuation::kinematic_paths::Span;
 use crate::task::Command;
 
 /// Work of a velocity jump, J.
@@ -48,9 +49,36 @@ impl Plant {
     /// time; the next command comes at `next`.
     pub fn plan_paths(&mut self, period: f64, next: Option<f64>) {
         self.kinematic_paths.plan(&self.model, &self.command, &self.state, period, next);
+        self.prescribe_joints();
+    }
+
+    /// Plans paths along the commands `ahead`, from the present time on; see
+    /// [`KinematicPaths::plan_ahead`](crate::sim::actuation::kinematic_paths::KinematicPaths::plan_ahead).
+    pub fn plan_ahead(&mut self, span: &Span, ahead: &[Command; 7]) -> bool {
+        let is_planned = self.kinematic_paths.plan_ahead((&self.model, &self.state), &self.command, span, ahead);
+        if is_planned {
+            self.prescribe_joints();
+        }
+        is_planned
+    }
+
+    fn prescribe_joints(&mut self) {
         let nb = self.model.nb();
         self.reduced.prescribed.clear();
         self.reduced.prescribed.extend(self.kinematic_paths.joints().iter().map(|j| nb + j));
+    }
+
+    /// Desired positions and velocities: those of the last tick, or of the state's time where ticks are left out.
+    pub fn read_desired_motion(&self, q: &mut [f64], qd: &mut [f64]) {
+        q.copy_from_slice(&self.command.position);
+        qd.copy_from_slice(&self.command.velocity);
+        let paths = &self.kinematic_paths;
+        if paths.looks_ahead() {
+            for &j in paths.joints().iter().chain(paths.tracked()) {
+                let motion = paths.at(j, self.state.time, self.within);
+                (q[j], qd[j]) = (motion.q, motion.qd);
+            }
+        }
     }
 
     /// The commands that the drives followed in the last evaluation.

@@ -28,7 +28,7 @@ use crate::integrate::System;
 use crate::robot::{LinkId, Model, RigidInertia};
 use crate::sim::actuation::drives::Drives;
 use crate::sim::actuation::joint_efforts::{self, JointStop};
-use crate::sim::actuation::kinematic_paths::KinematicPaths;
+use crate::sim::actuation::kinematic_paths::{Interpolation, KinematicPaths};
 use crate::sim::bodies::{Body, Friction, PairRules};
 use crate::sim::floor::{Floor, VertexRegion};
 use crate::task::Command;
@@ -60,8 +60,8 @@ pub struct PlantSetup {
     pub forces: Vec<Box<dyn Force>>,
     /// Initial joint commands.
     pub command: Command,
-    /// Whether position servos follow a path between two commands.
-    pub interpolates_commands: bool,
+    /// What position servos follow between two commands.
+    pub interpolation: Interpolation,
     /// Speed below which a sliding vertex is at rest, m/s.
     pub rest: f64,
     /// Error that a step may make in a speed: absolute, m/s, and relative. Zero without located
@@ -229,7 +229,7 @@ impl Plant {
             implicit_external: vec![0.0; nv],
             dampers: ImplicitDampers::new(&ws),
             impulses: None,
-            kinematic_paths: KinematicPaths::new(nj, setup.interpolates_commands),
+            kinematic_paths: KinematicPaths::new(nj, setup.interpolation),
             prescribed_acceleration: vec![0.0; nj],
             scratch: vec![0.0; all],
             multipliers: vec![0.0; ws.constraints.number()],

@@ -37,7 +37,9 @@ impl RunState {
         self.record_estimate();
         let result = if external { self.exchange_commands() } else { self.run_tasks(observer) };
         self.pass_command();
-        self.plant.plan_paths(self.tasks.period(), self.tasks.next_tick());
+        if !(result.is_ok() && self.plan_ahead()) {
+            self.plant.plan_paths(self.tasks.period(), self.tasks.next_tick());
+        }
         result
     }
 

@@ -7,10 +7,12 @@
 //! Called by [`Simulation`](super::Simulation).
 
 mod carried_objects;
+mod commands_ahead;
 mod control_tick;
 mod scenario_events;
 mod self_collision;
 mod state;
 
+pub use commands_ahead::CommandsAhead;
 pub(in crate::sim) use control_tick::run_tasks;
 pub use state::{Deferral, RunState};

@@ -3,6 +3,7 @@
 //! Steppers and contact states work on this; [`Simulation`](crate::sim::Simulation) owns it
 //! together with a stepper.
 
+use super::CommandsAhead;
 use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::Tolerances;
 use crate::contact::model::solution::Solution;
@@ -56,6 +57,8 @@ pub struct RunState {
     pub contact: ContactSetup,
     /// Tasks.
     pub tasks: TaskServer,
+    /// Their commands ahead, if they are computed.
+    pub ahead: Option<Box<CommandsAhead>>,
     /// Source of joint commands, if not the tasks.
     pub command_source: Option<Box<dyn CommandSource>>,
     /// Objects that links carry.
