@@ -58,7 +58,7 @@ pub struct Span {
 }
 
 /// Instants of a span at which commands are computed ahead, as parts of it: the nodes, then one near the middle between
-/// each two. No oscillation has the same phase at all of them.
+/// each two. No oscillation of less than 10 000 periods in a span has the same phase at all of them.
 pub const INSTANTS: [f64; 6] = [1.0 / 3.0, 2.0 / 3.0, 1.0, 0.1571, 0.4877, 0.8263];
 
 /// The nodes of the polynomial, each with its velocity.
