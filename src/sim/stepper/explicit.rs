@@ -222,7 +222,7 @@ impl ExplicitStepper {
         // if no state was found: another selection would find none either.
         let stops = if doubtful { 0.0 } else { sim.slow_to_rest() };
         event |= doubtful || !sim.locates_events() || self.functions.tolerated_too_much(sim) || stops > 0.0;
-        sim.project_drift();
+        event |= !sim.project_drift();
         if event {
             sim.metrics.events += u64::from(sim.locates_events());
             self.functions.suspects(&self.right, &mut sim.suspect);
