@@ -1,21 +1,22 @@
 //! A Rosenbrock-W method for equations with a stiff part of low rank.
 //!
 //! ```text
-//! (1 - h g A) k_i = h f(t + a_i h, y + sum_j a_ij k_j) + h A sum_j<i g_ij k_j + h^2 g_i T      y1 = y + sum_i b_i k_i
+//! (1 - h g A) k_i = h g f(t + a_i h, y + sum_j a_ij k_j) + sum_j<i c_ij k_j + h^2 g g_i T      y1 = y + sum_i b_i k_i
 //! A = N + sum_r u_r v_r^T      N N = 0      (1 - h g N)^-1 = 1 + h g N
 //! (1 - h g A)^-1 x = (1 + h g N) (x + h g U S^-1 V^T (1 + h g N) x)      S = 1 - h g V^T (1 + h g N) U
 //! ```
 //!
 //! N has the rates of positions by velocities, without which the stiffness of a spring would be explicit. T is the
 //! derivative of the stiff part by time, such as of a servo whose command moves: without it the error of an inexact A
-//! is a hundred times as high; `g_i = g + sum_j<i g_ij`.
+//! is a hundred times as high. The stages are those of [Hairer 1996], equations 7.24 and 7.25: sums of the ones in which
+//! methods are published, so that no product with A is needed.
 //!
 //! The method is ROS34PW2 of [Rang 2005]: four stages, order 3 with an embedded solution of order
 //! 2, L-stable. Being a W-method it has order 3 with any matrix A, which for stability has to contain
 //! what makes explicit steps unstable. Where that part of f is far from linear, the stages must not
 //! leave the slow solution either: the rows must then have the whole change of what they measure
-//! along the solution, so that `v_r^T f` is as small as that change. The dense output has order 2, and 3
-//! where A is the Jacobian. Its weights are those of PETSc's TSROSWRA34PW2; unlike a Hermite interpolant it
+//! along the solution, so that `v_r^T f` is as small as that change. It is stiffly accurate: the end is the argument of
+//! the last stage and this stage. The dense output has order 2, and 3 where A is the Jacobian. Its weights are those of PETSc's TSROSWRA34PW2; unlike a Hermite interpolant it
 //! does not use derivatives at the end of the step, in which stiffness amplifies errors.
 
 use super::stiff_part::{StiffPart, sparse_dot};
@@ -25,28 +26,32 @@ use std::ops::Range;
 const STAGES: usize = 4;
 /// Diagonal coefficient g.
 const GAMMA: f64 = 0.435_866_521_508_459;
+/// Coefficients a_ij, those of the last stage first among the weights of the end.
 const A: [[f64; 3]; STAGES] = [
     [0.0, 0.0, 0.0],
-    [0.871_733_043_016_918, 0.0, 0.0],
-    [0.844_570_600_153_694_2, -0.112_990_642_364_841_85, 0.0],
-    [0.0, 0.0, 1.0],
+    [2.0, 0.0, 0.0],
+    [1.419_217_317_455_764_5, -0.259_232_211_672_969_7, 0.0],
+    [4.184_760_482_319_16, -0.285_192_017_355_495_93, 2.294_280_360_279_042],
 ];
-const G: [[f64; 3]; STAGES] = [
+/// Times of the stages, a_i.
+const TIMES: [f64; STAGES] = [0.0, 0.871_733_043_016_918, 0.731_579_957_788_852_4, 1.0];
+/// Coefficients c_ij.
+const C: [[f64; 3]; STAGES] = [
     [0.0, 0.0, 0.0],
-    [-0.871_733_043_016_918, 0.0, 0.0],
-    [-0.903_380_570_130_440_8, 0.054_180_672_388_095_33, 0.0],
-    [0.242_123_807_060_953_46, -1.223_250_583_904_514_7, 0.545_260_255_335_102_1],
+    [-2.0, 0.0, 0.0],
+    [-1.823_996_994_774_513_6, 0.124_305_652_566_720_09, 0.0],
+    [-2.775_676_116_302_468, -2.961_983_662_554_789, 1.250_979_895_056_060_4],
 ];
-const B: [f64; STAGES] =
-    [0.242_123_807_060_953_46, -1.223_250_583_904_514_7, 1.545_260_255_335_102, 0.435_866_521_508_459];
-/// Weights of the embedded solution of order 2.
-const EMBEDDED: [f64; STAGES] = [0.378_109_031_458_193_7, -0.096_042_292_212_423_18, 0.5, 0.217_933_260_754_229_5];
+/// Coefficients g_i.
+const G: [f64; STAGES] = [GAMMA, -GAMMA, -0.413_333_376_233_886_5, 0.0];
+/// Weights of the end less those of the embedded solution of order 2.
+const ERROR: [f64; STAGES] = [0.277_749_947_647_967_9, -1.403_239_895_175_999_2, 1.772_630_127_667_551, 0.5];
 /// Dense output: weights of the stages as polynomials in theta without constant term.
 const DENSE: [[f64; 3]; STAGES] = [
-    [1.056_429_845_579_409_4, -1.386_488_269_975_957_3, 0.572_182_231_457_501_6],
-    [2.296_429_974_281_067, -8.262_611_700_275_677, 4.742_931_142_090_097],
-    [-1.307_599_564_525_376, 7.250_979_895_056_055, -4.398_120_075_195_578],
-    [-1.045_260_255_335_102, 2.398_120_075_195_581, -0.916_993_298_352_019_9],
+    [0.832_659_023_154_385_1, 4.520_784_200_520_349, -1.168_682_741_355_571_6],
+    [-1.461_621_337_124_655, -4.727_954_322_284_011_5, 5.904_383_642_053_173_5],
+    [0.0, 9.752_939_685_168_17, -7.458_659_324_889_133],
+    [-2.398_120_075_195_581, 5.501_959_790_112_12, -2.103_839_714_916_539],
 ];
 
 /// The method with its scratch, allocated once.
@@ -61,7 +66,7 @@ pub struct Rosenbrock {
     start: Vec<f64>,
     /// Solution at the end of the last attempt.
     pub end: Vec<f64>,
-    /// Factorised S by rows, its pivots, and a right side.
+    /// The factors of S by rows, with the inverse diagonal of U, its pivots, and a right side.
     small: Vec<f64>,
     pivots: Vec<usize>,
     right: Vec<f64>,
@@ -103,59 +108,54 @@ impl Rosenbrock {
         self.first.copy_from_slice(slope);
     }
 
-    /// Tries a step of size `h` and evaluates the system at its end. The result is in `end`.
+    /// Tries a step of size `h`. The result is in `end`, where the system is not evaluated.
     pub fn attempt(&mut self, system: &mut impl System, t: f64, h: f64) {
         self.h = h;
         self.factorize(h * GAMMA);
         for s in 0..STAGES {
-            if s == 0 {
-                self.slope.copy_from_slice(&self.first);
-            } else {
-                let (k, start) = (&self.k, &self.start);
-                for (i, x) in self.stage.iter_mut().enumerate() {
-                    *x = start[i] + (0..s).map(|j| A[s][j] * k[j][i]).sum::<f64>();
-                }
-                let c: f64 = A[s].iter().sum();
-                system.derivative(t + c * h, &self.stage, &mut self.slope);
-            }
             let (done, rest) = self.k.split_at_mut(s);
-            let target = &mut rest[0];
-            target.iter_mut().zip(&self.slope).for_each(|(x, f)| *x = h * f);
-            for (j, k) in done.iter().enumerate().filter(|(j, _)| G[s][*j] != 0.0) {
-                self.stiff.add_product(h * G[s][j], k, target);
+            let k = &mut rest[0];
+            if s == 0 {
+                k.iter_mut().zip(&self.first).for_each(|(k, f)| *k = h * GAMMA * f);
+            } else {
+                combine(&self.start, &A[s], done, &mut self.stage);
+                system.derivative(t + TIMES[s] * h, &self.stage, &mut self.slope);
+                k.iter_mut().zip(&self.slope).for_each(|(k, f)| *k = h * GAMMA * f);
+                for (c, done) in C[s].iter().zip(done) {
+                    k.iter_mut().zip(done).for_each(|(k, done)| *k += c * *done);
+                }
             }
-            let share = h * h * (GAMMA + G[s].iter().sum::<f64>());
-            target.iter_mut().zip(&self.stiff.by_time).for_each(|(x, t)| *x += share * t);
+            let share = h * h * GAMMA * G[s];
+            k.iter_mut().zip(&self.stiff.by_time).for_each(|(k, t)| *k += share * t);
+            if s == STAGES - 1 {
+                self.end.copy_from_slice(&self.stage);
+            }
             self.solve(s);
         }
-        for i in 0..self.end.len() {
-            self.end[i] = self.start[i] + (0..STAGES).map(|s| B[s] * self.k[s][i]).sum::<f64>();
-        }
-        system.derivative(t + h, &self.end, &mut self.slope);
+        self.end.iter_mut().zip(&self.k[STAGES - 1]).for_each(|(y, k)| *y += k);
     }
 
     /// Norm ([`error_norm`]) of the error estimate of the last attempt over groups of components,
     /// with relative and absolute tolerance.
     pub fn error(&self, tolerances: (f64, f64), groups: impl Iterator<Item = Range<usize>>) -> f64 {
-        error_norm(groups, tolerances, [&self.start, &self.end], |i| {
-            (0..STAGES).map(|s| (B[s] - EMBEDDED[s]) * self.k[s][i]).sum()
-        })
+        error_norm(groups, tolerances, [&self.start, &self.end], |i| (0..STAGES).map(|s| ERROR[s] * self.k[s][i]).sum())
     }
 
     /// Dense output at `t + theta h` of the last attempt.
     pub fn interpolate(&self, theta: f64, out: &mut [f64]) {
         let weights = DENSE.map(|[a, b, c]| theta * (a + theta * (b + theta * c)));
-        for (i, y) in out.iter_mut().enumerate() {
-            *y = self.start[i] + (0..STAGES).map(|s| weights[s] * self.k[s][i]).sum::<f64>();
-        }
+        combine(&self.start, &weights, &self.k, out);
     }
 
-    /// Factorises S with row pivoting.
+    /// Factorises the transpose of S, `S^T = P L U`, so that solves add multiples of rows.
     fn factorize(&mut self, hg: f64) {
         let n = self.stiff.rank;
-        for (i, ([direct, by_rates], x)) in self.stiff.products.iter().zip(&mut self.small).enumerate() {
-            let unit = f64::from(i / n == i % n);
-            *x = unit - hg * (direct + hg * by_rates);
+        let [direct, by_rates] = &self.stiff.products;
+        for (r, (direct, by_rates)) in direct.chunks_exact(n.max(1)).zip(by_rates.chunks_exact(n.max(1))).enumerate() {
+            for (c, (direct, by_rates)) in direct.iter().zip(by_rates).enumerate() {
+                self.small[c * n + r] = -hg * (direct + hg * by_rates);
+            }
+            self.small[r * n + r] += 1.0;
         }
         for c in 0..n {
             let pivot = (c..n).max_by(|a, b| self.small[a * n + c].abs().total_cmp(&self.small[b * n + c].abs()));
@@ -165,11 +165,13 @@ impl Rosenbrock {
             if self.pivots[c] > c {
                 upper.swap_with_slice(&mut lower[(self.pivots[c] - c - 1) * n..][..n]);
             }
+            let inverse = 1.0 / upper[c];
             for row in lower.chunks_exact_mut(n) {
-                let factor = row[c] / upper[c];
+                let factor = row[c] * inverse;
                 row[c] = factor;
                 row[c + 1..].iter_mut().zip(&upper[c + 1..]).for_each(|(x, u)| *x -= factor * u);
             }
+            upper[c] = inverse;
         }
     }
 
@@ -180,37 +182,41 @@ impl Rosenbrock {
         let x = &mut self.k[s];
         // Positions of x + h g N x are those in which the rows see it.
         self.stiff.add_rates(hg, x);
-        for r in 0..n {
-            self.right[r] = sparse_dot(&self.stiff.rows[r], x);
+        for (right, row) in self.right.iter_mut().zip(&self.stiff.rows).take(n) {
+            *right = sparse_dot(row, x);
         }
-        for c in 0..n {
-            self.right.swap(c, self.pivots[c]);
-        }
+        // S = U^T L^T P^T.
         for r in 0..n {
-            let row = &self.small[r * n..(r + 1) * n];
-            let sum: f64 = row[..r].iter().zip(&self.right).map(|(l, x)| l * x).sum();
-            self.right[r] -= sum;
+            let (row, rest) = (&self.small[r * n..(r + 1) * n], &mut self.right[r..n]);
+            let y = rest[0] * row[r];
+            rest[0] = y;
+            rest[1..].iter_mut().zip(&row[r + 1..]).for_each(|(x, u)| *x -= y * u);
         }
         for r in (0..n).rev() {
-            let row = &self.small[r * n..(r + 1) * n];
-            let sum: f64 = row[r + 1..].iter().zip(&self.right[r + 1..n]).map(|(u, x)| u * x).sum();
-            self.right[r] = (self.right[r] - sum) / row[r];
+            let z = self.right[r];
+            let row = &self.small[r * n..r * n + r];
+            self.right[..r].iter_mut().zip(row).for_each(|(x, l)| *x -= z * l);
         }
-        let columns = self.right.iter().zip(&self.stiff.columns).take(n);
+        for c in (0..n).rev() {
+            self.right.swap(c, self.pivots[c]);
+        }
         if self.stiff.rates.is_empty() {
-            for (weight, column) in columns {
-                let weight = hg * weight;
-                x.iter_mut().zip(column).for_each(|(x, u)| *x += weight * u);
-            }
+            self.stiff.add_columns(hg, &self.right, x);
             return;
         }
         let change = &mut self.stage;
         change.fill(0.0);
-        for (weight, column) in columns {
-            change.iter_mut().zip(column).for_each(|(x, u)| *x += weight * u);
-        }
+        self.stiff.add_columns(hg, &self.right, change);
         self.stiff.add_rates(hg, change);
-        x.iter_mut().zip(change).for_each(|(x, change)| *x += hg * *change);
+        x.iter_mut().zip(change).for_each(|(x, change)| *x += *change);
+    }
+}
+
+/// Writes `start` and the sum of vectors with their weights.
+fn combine(start: &[f64], weights: &[f64], vectors: &[Vec<f64>], out: &mut [f64]) {
+    out.copy_from_slice(start);
+    for (weight, vector) in weights.iter().zip(vectors) {
+        out.iter_mut().zip(vector).for_each(|(out, x)| *out += weight * x);
     }
 }
 
@@ -412,6 +418,39 @@ mod tests {
             // The greater root of x^2 = 2 z w x + w^2, at most 1 + 1/(4 z^2) of the fastest eigenvalue.
             let bound = z * w + (z * z * w * w + w * w).sqrt();
             assert!((method.stiff.rate_bound() / bound - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn solves_invert_the_matrix_of_several_products() {
+        // Columns in different places, one zero, and rows that see the rates.
+        let columns = [[0.0, 0.0, 0.3, -2.0, 0.0], [0.0, 0.0, 4.0, 0.0, 1.5], [0.0; 5], [0.0, 0.0, 0.0, 0.7, -3.0]];
+        let rows = [[2.0, 0.0, -1.0, 0.0, 0.5], [0.0, -3.0, 0.0, 0.4, 0.0], [1.0; 5], [0.6, 0.0, 0.0, -9.0, 0.0]];
+        let mut method = Rosenbrock::new(5, 4);
+        // Not in the order of the rows.
+        method.stiff.rates.extend([(1, 3, 0.8), (0, 2, 1.1), (1, 2, -0.4)]);
+        let mut a = [[0.0; 5]; 5];
+        method.stiff.rates.iter().for_each(|(to, from, value)| a[*to][*from] = *value);
+        for (column, row) in columns.iter().zip(&rows) {
+            let (entries, u) = method.stiff.add().unwrap();
+            entries.extend(row.iter().copied().enumerate().filter(|(_, x)| *x != 0.0));
+            u.copy_from_slice(column);
+            for (i, u) in column.iter().enumerate() {
+                a[i].iter_mut().zip(row).for_each(|(a, v)| *a += u * v);
+            }
+        }
+        method.stiff.complete();
+        method.h = 0.9;
+        let hg = method.h * GAMMA;
+        method.factorize(hg);
+        let x = [0.3, -1.2, 2.0, 0.7, -0.1];
+        method.k[0].copy_from_slice(&x);
+        method.solve(0);
+        let k = &method.k[0];
+        for i in 0..5 {
+            let product: f64 = a[i].iter().zip(k).map(|(a, k)| a * k).sum();
+            // Rounding.
+            assert!((k[i] - hg * product - x[i]).abs() < 1e-13, "{i}: {k:?}");
         }
     }
 

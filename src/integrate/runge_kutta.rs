@@ -76,6 +76,12 @@ impl RungeKutta {
         system.derivative(t, y, &mut self.k[0]);
     }
 
+    /// As [`begin`](Self::begin), with the derivative that `write` gives.
+    pub fn begin_with(&mut self, y: &[f64], write: impl FnOnce(&mut [f64])) {
+        self.start.copy_from_slice(y);
+        write(&mut self.k[0]);
+    }
+
     /// Derivative at the start of the step.
     pub fn slope(&self) -> &[f64] {
         &self.k[0]

@@ -1,6 +1,7 @@
 //! The stiff part of a Jacobian, of low rank, for [`Rosenbrock`](super::Rosenbrock), whose symbols it has.
 
 use crate::math;
+use std::ops::Range;
 
 /// Index and value of the entries of a row that are not zero.
 pub type SparseRow = Vec<(usize, f64)>;
@@ -9,21 +10,25 @@ pub type SparseRow = Vec<(usize, f64)>;
 #[derive(Clone, Debug)]
 pub struct StiffPart {
     /// Columns u_r, each as long as the system.
-    pub(super) columns: Vec<Vec<f64>>,
+    columns: Vec<Vec<f64>>,
+    /// Where the columns in use are not zero.
+    ranges: Vec<Range<usize>>,
     /// Rows v_r.
     pub(super) rows: Vec<SparseRow>,
     /// Number of products in use.
     pub(super) rank: usize,
     /// N: entries with row, column and value. No column is the row of another.
     pub rates: Vec<(usize, usize, f64)>,
+    /// Where the entries of each row begin; one more than there are rows.
+    first_rates: Vec<usize>,
     /// T, as long as the system; empty if it is zero.
     pub by_time: Vec<f64>,
+    /// U by rows.
+    by_equation: Vec<f64>,
     /// V^T U and V^T N U, by rows.
-    pub(super) products: Vec<[f64; 2]>,
-    /// A row of V^T N.
-    lifted: SparseRow,
-    /// Zeros, as long as the system.
-    dense: Vec<f64>,
+    pub(super) products: [Vec<f64>; 2],
+    /// Number of equations.
+    n: usize,
     /// Vectors of a power iteration.
     iterates: [Vec<f64>; 2],
 }
@@ -33,26 +38,30 @@ impl StiffPart {
     pub fn new(n: usize, rank: usize) -> Self {
         StiffPart {
             columns: vec![vec![0.0; n]; rank],
+            ranges: Vec::with_capacity(rank),
             // A clone of an empty list has no room.
             rows: (0..rank).map(|_| Vec::with_capacity(n)).collect(),
             rank: 0,
             rates: Vec::with_capacity(2 * n),
+            first_rates: vec![0; n + 1],
             by_time: Vec::with_capacity(n),
-            products: Vec::with_capacity(rank * rank),
-            lifted: Vec::with_capacity(4 * n),
-            dense: vec![0.0; n],
+            by_equation: Vec::with_capacity(n * rank),
+            products: [Vec::with_capacity(rank * rank), Vec::with_capacity(rank * rank)],
+            n,
             iterates: [Vec::with_capacity(rank), Vec::with_capacity(rank)],
         }
     }
 
     /// Makes room for `rank` products.
     pub(super) fn reserve(&mut self, rank: usize) {
-        let n = self.dense.len();
+        let n = self.n;
         while self.columns.len() < rank {
             self.columns.push(vec![0.0; n]);
             self.rows.push(Vec::with_capacity(n));
         }
-        self.products.reserve((rank * rank).saturating_sub(self.products.len()));
+        self.by_equation.reserve((n * rank).saturating_sub(self.by_equation.len()));
+        self.ranges.reserve(rank.saturating_sub(self.ranges.len()));
+        self.products.iter_mut().for_each(|list| list.reserve((rank * rank).saturating_sub(list.len())));
         self.iterates.iter_mut().for_each(|list| list.reserve(rank.saturating_sub(list.len())));
     }
 
@@ -96,23 +105,46 @@ impl StiffPart {
 
     /// Computes the products of rows and columns; needed after all were set.
     pub fn complete(&mut self) {
-        self.products.clear();
-        for row in &self.rows[..self.rank] {
-            row.iter().for_each(|(i, x)| self.dense[*i] += x);
-            self.lifted.clear();
-            let entries = self.rates.iter().map(|(to, from, value)| (*from, value * self.dense[*to]));
-            self.lifted.extend(entries.filter(|(_, x)| *x != 0.0));
-            row.iter().for_each(|(i, _)| self.dense[*i] = 0.0);
-            let product = |column: &Vec<f64>| [sparse_dot(row, column), sparse_dot(&self.lifted, column)];
-            self.products.extend(self.columns[..self.rank].iter().map(product));
+        self.ranges.clear();
+        self.ranges.extend(self.columns[..self.rank].iter().map(|column| {
+            let first = column.iter().position(|x| *x != 0.0).unwrap_or(column.len());
+            first..column.iter().rposition(|x| *x != 0.0).map_or(first, |last| last + 1)
+        }));
+        if !self.rates.is_sorted_by_key(|(to, _, _)| *to) {
+            self.rates.sort_unstable_by_key(|(to, from, _)| (*to, *from));
+        }
+        self.first_rates.fill(0);
+        self.rates.iter().for_each(|(to, _, _)| self.first_rates[to + 1] += 1);
+        (0..self.n).for_each(|i| self.first_rates[i + 1] += self.first_rates[i]);
+        let n = self.rank;
+        self.by_equation.clear();
+        self.by_equation.resize(self.n * n, 0.0);
+        for (c, (column, range)) in self.columns.iter().zip(&self.ranges).enumerate() {
+            range.clone().for_each(|i| self.by_equation[i * n + c] = column[i]);
+        }
+        let add = |sums: &mut [f64], i: usize, x: f64| {
+            sums.iter_mut().zip(&self.by_equation[i * n..(i + 1) * n]).for_each(|(sum, u)| *sum += x * u);
+        };
+        let [direct, by_rates] = &mut self.products;
+        for list in [&mut *direct, &mut *by_rates] {
+            list.clear();
+            list.resize(n * n, 0.0);
+        }
+        let rows = direct.chunks_exact_mut(n.max(1)).zip(by_rates.chunks_exact_mut(n.max(1)));
+        for (row, (direct, by_rates)) in self.rows.iter().zip(rows) {
+            for &(i, x) in row {
+                add(direct, i, x);
+                let rates = &self.rates[self.first_rates[i]..self.first_rates[i + 1]];
+                rates.iter().for_each(|(_, from, value)| add(by_rates, *from, value * x));
+            }
         }
     }
 
     /// Upper bound of the modulus of the eigenvalues of the products, 1/s: the norm of V^T U. Needs
     /// [`complete`](Self::complete).
     pub fn rate(&self) -> f64 {
-        let square = |row: &[[f64; 2]]| row.iter().map(|[direct, _]| math::powi(*direct, 2)).sum::<f64>();
-        self.products.chunks(self.rank.max(1)).map(square).sum::<f64>().sqrt()
+        let square = |row: &[f64]| row.iter().map(|direct| math::powi(*direct, 2)).sum::<f64>();
+        self.products[0].chunks(self.rank.max(1)).map(square).sum::<f64>().sqrt()
     }
 
     /// Estimate of the modulus of the eigenvalues of A, 1/s, from those of `V^T U` and `V^T N U`, d and k: the greater
@@ -134,7 +166,7 @@ impl StiffPart {
             if !(length > 0.0) {
                 return value;
             }
-            let row = |r: usize| (0..n).map(|c| self.products[r * n + c][part] * x[c]).sum::<f64>() / length;
+            let row = |r: usize| (0..n).map(|c| self.products[part][r * n + c] * x[c]).sum::<f64>() / length;
             y.clear();
             y.extend((0..n).map(row));
             std::mem::swap(x, y);
@@ -143,13 +175,12 @@ impl StiffPart {
         value
     }
 
-    /// Adds `factor * A x` to `out`.
-    pub(super) fn add_product(&self, factor: f64, x: &[f64], out: &mut [f64]) {
-        for (column, row) in self.columns.iter().zip(&self.rows).take(self.rank) {
-            let weight = factor * sparse_dot(row, x);
-            out.iter_mut().zip(column).for_each(|(o, u)| *o += weight * u);
+    /// Adds `factor * U weights` to `out`. Needs [`complete`](Self::complete).
+    pub(super) fn add_columns(&self, factor: f64, weights: &[f64], out: &mut [f64]) {
+        for ((weight, column), range) in weights.iter().zip(&self.columns).zip(&self.ranges) {
+            let weight = factor * weight;
+            out[range.clone()].iter_mut().zip(&column[range.clone()]).for_each(|(out, u)| *out += weight * u);
         }
-        self.rates.iter().for_each(|(to, from, value)| out[*to] += factor * value * x[*from]);
     }
 
     /// Replaces x by `(1 + factor N) x`.

@@ -165,9 +165,14 @@ fn interpolated_commands_are_continuous_between_ticks() {
 
 /// HOAP-2 with stiff servos, whose arms are turned by a velocity at the start.
 fn humanoid(integrator: &str, contact: &str) -> (Vec<f64>, Metrics) {
+    logged_humanoid(integrator, contact, 0.0)
+}
+
+/// The same with a log.
+fn logged_humanoid(integrator: &str, contact: &str, rate: f64) -> (Vec<f64>, Metrics) {
     let mut sim = runs::simulation(&format!(
         "duration = 0.2
-        log.rate = 0
+        log.rate = {rate:?}
         integrator = {{ {integrator} }}
         contact.method = \"{contact}\"
         robot = {{ model = \"robots/hoap2/hoap2.urdf\", contact = \"soles\", joint_default = {{ kp = 50, kd = 1 }}, velocity = {{ left_shoulder_pitch = 1.0, right_elbow = -0.5 }} }}\n"
@@ -189,6 +194,21 @@ fn a_standing_humanoid_with_stiff_servos_moves_as_with_explicit_steps() {
         assert!(error(&found) < 1e-6, "{contact} {} {}", error(&found), error(&explicit));
         assert!(3 * m.steps < of_explicit.steps, "{contact} {} {}", m.steps, of_explicit.steps);
         assert!(m.max_energy_error_j < 1e-6 && m.inconsistent == 0, "{m:?}");
+    }
+}
+
+/// The start of a step has been evaluated as the end of the step before, with the same bits as if it were evaluated anew:
+/// logs, which evaluate the end again, change nothing.
+#[test]
+fn a_step_needs_four_evaluations() {
+    for contact in ["exact", "penalty"] {
+        let (end, m) = humanoid("method = \"rosenbrock\"", contact);
+        let (steps, rejected) = (m.steps as f64, m.rejected_steps as f64);
+        // Three stages and the end. Responses to forces are not counted; events and the start are.
+        let others = m.evaluations as f64 - 4.0 * steps - 3.0 * rejected;
+        assert!(others >= 0.0 && others < 0.25 * steps + 20.0, "{contact} {m:?}");
+        let (logged, of_logged) = logged_humanoid("method = \"rosenbrock\"", contact, 700.0);
+        assert_eq!((&end, m.steps), (&logged, of_logged.steps), "{contact}");
     }
 }
 

@@ -78,7 +78,7 @@ pub(crate) trait ContactGaps {
 /// Number of event functions for which memory is reserved.
 pub(crate) const USUAL_FUNCTIONS: usize = 512;
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug)]
 enum Function {
     Height(usize, usize),
     /// With the allowed depth, m: d, or twice the present depth.
@@ -107,6 +107,8 @@ pub(crate) struct EventFunctions {
     /// Functions negative at the start, because no valid state was found: ignored until the end of
     /// the step.
     overlooked: Vec<usize>,
+    /// Functions of the step before.
+    before: Vec<Function>,
 }
 
 impl EventFunctions {
@@ -115,11 +117,13 @@ impl EventFunctions {
         EventFunctions {
             functions: Vec::with_capacity(USUAL_FUNCTIONS),
             overlooked: Vec::with_capacity(USUAL_FUNCTIONS),
+            before: Vec::with_capacity(USUAL_FUNCTIONS),
         }
     }
 
     /// Selects the functions of a step from the states and vertices at its start.
     pub fn begin(&mut self, now: &ContactInForce) {
+        std::mem::swap(&mut self.functions, &mut self.before);
         self.functions.clear();
         self.overlooked.clear();
         let p = now.problem;
@@ -169,6 +173,12 @@ impl EventFunctions {
         if now.may_contradict {
             self.functions.push(Function::Contradiction);
         }
+    }
+
+    /// Whether the step has the functions of the step before, and these depend on nothing but the evaluation.
+    pub fn are_known(&self) -> bool {
+        let depends = |f: &Function| !matches!(f, Function::Height(..) | Function::Normal(_) | Function::Friction(_));
+        self.functions == self.before && !self.functions.iter().any(depends)
     }
 
     /// Number of functions of the step.

@@ -314,7 +314,7 @@ impl KinematicPaths {
 
     /// The motion of a joint along its path; `within` as for forces.
     pub fn at(&self, joint: usize, t: f64, within: f64) -> JointMotion {
-        self.paths[joint].map_or(JointMotion::default(), |p| p.at(t, within))
+        self.paths[joint].as_ref().map_or(JointMotion::default(), |p| p.at(t, within))
     }
 }
 

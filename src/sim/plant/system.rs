@@ -476,6 +476,13 @@ impl System for Plant {
     fn derivative(&mut self, t: f64, y: &[f64], dy: &mut [f64]) {
         self.unpack(t, y);
         self.evaluate();
+        self.write_derivative(y, dy);
+    }
+}
+
+impl Plant {
+    /// Writes the derivative of the integrator's vector `y` from the last evaluation, which was at `y`.
+    pub fn write_derivative(&self, y: &[f64], dy: &mut [f64]) {
         let layout = &self.layout;
         let set = |rates: &mut [f64], lag: &mut dyn Iterator<Item = f64>| {
             rates.iter_mut().zip(lag).for_each(|(rate, lag)| *rate = lag);

@@ -3,7 +3,9 @@
 //! A step integrates with the contact states held. Event functions, all positive while those states
 //! are valid, are evaluated at the end of the step. When one has changed sign, event location finds
 //! the first crossing on the dense output, the step is repeated to that instant, and the states are
-//! chosen again. After every step the drift of couplings, loops and clamped soles is removed.
+//! chosen again. After every step the drift of couplings, loops and clamped soles is removed. After Rosenbrock steps
+//! with implicit forces this is done before the end is evaluated, where there are no couplings and loops, so that the
+//! next step need not evaluate its start.
 
 use super::Discontinuity;
 use super::method_pair::MethodPair;
@@ -58,6 +60,8 @@ pub struct ExplicitStepper {
     collapse: Option<f64>,
     /// Size of the next step, s, if it must step over a jump of the forces at its start.
     hop: Option<f64>,
+    /// Instant at which the last step has left the plant evaluated, without drift and without an event, s.
+    settled: Option<f64>,
     /// The integrator's vector.
     y: Vec<f64>,
     dense: Vec<f64>,
@@ -84,6 +88,7 @@ impl ExplicitStepper {
             fresh: true,
             collapse: None,
             hop: None,
+            settled: None,
             y: vec![0.0; n],
             dense: vec![0.0; n],
             functions: StepEventFunctions::new(),
@@ -124,6 +129,7 @@ impl ExplicitStepper {
             return self.step_in_sliding_mode(sim, until, observer);
         }
         let mut hop = self.hop.take().filter(|_| discontinuity == Discontinuity::None);
+        let is_evaluated = self.settled.take() == Some(t0) && discontinuity == Discontinuity::None;
         let mut h = hop.unwrap_or_else(|| self.size.next(remaining)).min(remaining);
         sim.plant.within = t0 + 0.5 * h;
         if sim.locates_events() && discontinuity == Discontinuity::Corner {
@@ -133,7 +139,7 @@ impl ExplicitStepper {
             }
             self.fresh = true;
         }
-        self.begin(sim, t0);
+        self.begin(sim, t0, is_evaluated);
         // A load that has jumped beyond what its state carries, or drift projection over a border.
         let invalid = self.start.iter().any(|g| *g < 0.0) && (!self.fresh || discontinuity == Discontinuity::Tick);
         if sim.locates_events() && invalid {
@@ -141,7 +147,7 @@ impl ExplicitStepper {
             if self.sliding_mode.begin_deferred(sim, observer)? {
                 return self.step_in_sliding_mode(sim, until, observer);
             }
-            self.begin(sim, t0);
+            self.begin(sim, t0, false);
         }
         sim.measure_energy();
         sim.plant.begin_sole_impulses();
@@ -153,18 +159,20 @@ impl ExplicitStepper {
         self.left.resize(self.start.len(), 0.0);
         self.scratch.resize(self.start.len(), 0.0);
         self.directions.clone_from(&sim.plant.directions);
-        let (mut event, mut located);
+        let drift = (sim.metrics.max_static_creep_m, sim.metrics.max_projection_m);
+        let (mut event, mut located, mut settled);
         loop {
             let Some(size) = self.accept(sim, t0, h, &mut hop, remaining) else {
                 return self.resolve_collapse(sim, t0, until, observer);
             };
             h = size;
-            // The last stage was evaluated at the end of the step, where the plant now is.
+            settled = self.settle(sim, if h == remaining { until } else { t0 + h });
             self.functions.values(sim, &mut self.right);
             // Bodies stay where their terrain is known.
             while let Some(part) = sim.pairs.part_inside(&sim.plant) {
                 h *= part;
-                self.pair.attempt(&mut sim.plant, t0, h);
+                settled = false;
+                self.attempt_to_end(sim, t0, h);
                 self.functions.values(sim, &mut self.right);
             }
             for _ in 0..MOST_CROSSINGS {
@@ -172,7 +180,8 @@ impl ExplicitStepper {
                     break;
                 };
                 h *= part;
-                self.pair.attempt(&mut sim.plant, t0, h);
+                settled = false;
+                self.attempt_to_end(sim, t0, h);
                 self.functions.values(sim, &mut self.right);
             }
             event = self.right.iter().any(|g| *g < 0.0);
@@ -180,6 +189,7 @@ impl ExplicitStepper {
             if !located {
                 break;
             }
+            settled = false;
             h = self.locate(sim, t0, h);
             event = self.hop.is_none();
             // The longer step met the tolerances with the equations continued beyond the event. Where
@@ -194,6 +204,10 @@ impl ExplicitStepper {
         }
         if let Some(size) = hop.filter(|size| !event && *size < MAX_HOP) {
             self.hop = Some(2.0 * size);
+        }
+        if !settled {
+            // Of attempts that were repeated.
+            (sim.metrics.max_static_creep_m, sim.metrics.max_projection_m) = drift;
         }
         sim.metrics.steps += 1;
         let t1 = if h == remaining { until } else { t0 + h };
@@ -213,7 +227,9 @@ impl ExplicitStepper {
             }
             if sim.update_polygons(None) {
                 sim.plant.evaluate();
+                settled = false;
             }
+            self.settled = settled.then_some(t1);
             sim.read_compliant_states(observer)?;
             sim.measure_step();
             return Ok(());
@@ -222,7 +238,8 @@ impl ExplicitStepper {
         // if no state was found: another selection would find none either.
         let stops = if doubtful { 0.0 } else { sim.slow_to_rest() };
         event |= doubtful || !sim.locates_events() || self.functions.tolerated_too_much(sim) || stops > 0.0;
-        event |= !sim.project_drift();
+        event |= !settled && !sim.project_drift();
+        self.settled = (settled && !event).then_some(t1);
         if event {
             sim.metrics.events += u64::from(sim.locates_events());
             self.functions.suspects(&self.right, &mut sim.suspect);
@@ -319,13 +336,46 @@ impl ExplicitStepper {
         Ok(())
     }
 
-    /// Evaluates the start of a step and selects its event functions.
-    fn begin(&mut self, sim: &mut RunState, t0: f64) {
+    /// Leaves the plant evaluated at the end of an acceptable attempt. Returns whether the next step can begin with
+    /// this evaluation: its drift has been removed, or there is none.
+    ///
+    /// Drift is removed with the responses of the last stage, at almost the same configuration.
+    fn settle(&mut self, sim: &mut RunState, t1: f64) -> bool {
+        if !self.pair.is_stiff() {
+            return false;
+        }
+        sim.plant.unpack(t1, self.pair.end());
+        let is_exact = sim.locates_events() || sim.plant.is_compliant();
+        let mut settles = is_exact && self.pair.has_implicit_forces() && !sim.plant.has_conditions();
+        if settles && !sim.plant.is_compliant() {
+            sim.plant.refresh();
+            settles = sim.project_drift();
+            self.pair.move_end(&sim.plant);
+            sim.plant.unpack(t1, self.pair.end());
+        }
+        sim.plant.evaluate();
+        settles
+    }
+
+    /// Attempts a step of size `h` and leaves the plant at its end.
+    fn attempt_to_end(&mut self, sim: &mut RunState, t0: f64, h: f64) {
+        self.pair.attempt(&mut sim.plant, t0, h);
+        if self.pair.is_stiff() {
+            sim.plant.unpack(t0 + h, self.pair.end());
+            sim.plant.evaluate();
+        }
+    }
+
+    /// Evaluates the start of a step, unless the plant is evaluated there, and selects its event functions.
+    fn begin(&mut self, sim: &mut RunState, t0: f64, is_evaluated: bool) {
         sim.plant.pack(&sim.energy.flows, &mut self.y);
-        self.pair.begin(&mut sim.plant, t0, &self.y);
+        match is_evaluated {
+            true => self.pair.begin_evaluated(&sim.plant, &self.y),
+            false => self.pair.begin(&mut sim.plant, t0, &self.y),
+        }
         sim.plant.update_reference_directions();
         sim.pairs.update_terrain(&mut sim.plant, None);
-        self.functions.begin(sim, &mut self.start);
+        self.functions.begin(sim, &mut self.start, is_evaluated.then_some(&self.right));
     }
 
     /// Event location: shortens the attempted step to its first event and returns its new size. The
@@ -372,7 +422,7 @@ impl ExplicitStepper {
 
     /// Attempts a step of size `h`. Returns whether an event function has reached zero at its end.
     fn attempt(&mut self, sim: &mut RunState, t0: f64, h: f64) -> bool {
-        self.pair.attempt(&mut sim.plant, t0, h);
+        self.attempt_to_end(sim, t0, h);
         self.functions.values(sim, &mut self.scratch);
         // The final values only show which functions fired, so located negative values are kept.
         if self.scratch.iter().any(|g| *g < 0.0) {

@@ -155,6 +155,12 @@ impl MethodPair {
         self.is_stiff = false;
     }
 
+    /// The same where the last evaluation was at `y`.
+    pub fn begin_evaluated(&mut self, plant: &Plant, y: &[f64]) {
+        self.explicit.begin_with(y, |slope| plant.write_derivative(y, slope));
+        self.is_stiff = false;
+    }
+
     /// Selects the method of the step that begins, whose explicit size would be `h`. Returns the
     /// size of its first attempt. `is_new`: the equations may have changed since the last step.
     pub fn select(&mut self, plant: &mut Plant, y: &[f64], h: f64, remaining: f64, is_new: bool) -> f64 {
@@ -230,7 +236,7 @@ impl MethodPair {
         self.is_stiff
     }
 
-    /// Tries a step of size `h`; the system is left at its end.
+    /// Tries a step of size `h`. Explicit steps leave the system at its end.
     pub fn attempt(&mut self, plant: &mut Plant, t: f64, h: f64) {
         match self.is_stiff {
             true => self.stiff.attempt(plant, t, h),
@@ -288,6 +294,12 @@ impl MethodPair {
     /// Solution at the end of the last attempt.
     pub fn end(&self) -> &[f64] {
         if self.is_stiff { &self.stiff.end } else { &self.explicit.end }
+    }
+
+    /// Moves the end of the last attempt of a Rosenbrock step to the plant's state.
+    pub fn move_end(&mut self, plant: &Plant) {
+        let flows = plant.layout.flows(&self.stiff.end);
+        plant.pack(&flows, &mut self.stiff.end);
     }
 
     /// Dense output at the fraction `theta` of the last attempt.
