@@ -37,8 +37,8 @@ const FIRST: f64 = 1e-4;
 const LIMITED: f64 = 2.5;
 /// Number of such steps after which forces become implicit, less one for each six that are not.
 const STIFF_STEPS: u32 = 12;
-/// Product of a step and the rate of the implicit forces up to which explicit steps cost less: they are stable to 3.3,
-/// and a step of the Rosenbrock method costs 1.3 of them with the 31 implicit forces of G1.
+/// Product of a step and the rate of the implicit forces up to which explicit steps are taken. They are stable to 3.3. A
+/// step of the Rosenbrock method cost 1.3 of them with the 31 implicit forces of G1 when this was chosen, and 1 since.
 const EASY: f64 = 6.0;
 /// The same on a compliant floor, whose springs are many and change: such steps cost three of them.
 const EASY_ON_SPRINGS: f64 = 10.0;
