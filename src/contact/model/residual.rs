@@ -207,7 +207,8 @@ fn static_margin(
         Pattern::Vertex(i) => friction_capacity::vertex(capacity(i as usize), &tangent[i as usize]),
         Pattern::Edge(i) => {
             let (i, j) = (i as usize, (i as usize + 1) % k);
-            let along = (sole.vertices[j].r - sole.vertices[i].r).xy().normalize();
+            let edge = (sole.vertices[j].r - sole.vertices[i].r).xy();
+            let along = edge.try_normalize(0.0).unwrap_or(Vector2::x());
             let across = Vector2::new(-along.y, along.x);
             let side = [tangent[i].dot(&across), tangent[j].dot(&across)];
             -friction_capacity::edge_excess([capacity(i), capacity(j)], side, (tangent[i] + tangent[j]).dot(&along))

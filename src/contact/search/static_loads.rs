@@ -10,10 +10,10 @@ use crate::contact::model::solution::Solution;
 use crate::contact::model::state::{Pattern, States};
 use nalgebra::{Vector2, Vector3};
 
-/// Horizontal unit vector across an edge.
+/// Horizontal unit vector across an edge; any one where its ends coincide, as two corners of a patch may that meet.
 pub(super) fn across(sole: &SoleProblem, i: usize, j: usize) -> Vector3<f64> {
     let d = sole.vertices[j].r - sole.vertices[i].r;
-    let n = Vector2::new(-d.y, d.x).normalize();
+    let n = Vector2::new(-d.y, d.x).try_normalize(0.0).unwrap_or(Vector2::y());
     Vector3::new(n.x, n.y, 0.0)
 }
 
@@ -52,12 +52,12 @@ pub fn share_static(p: &Problem, states: &States, out: &mut Solution) {
 }
 
 /// Load of a static edge: normal forces of its two ends, tangential forces across it at the two
-/// ends, the sum along it and the horizontal unit vector along it.
+/// ends, the sum along it and the horizontal unit vector along it. Where its ends coincide the first carries all.
 pub fn edge_load(sole: &SoleProblem, i: usize, j: usize, w: &[f64]) -> ([f64; 2], [f64; 2], f64, Vector2<f64>) {
     let (ri, rj) = (&sole.vertices[i].r, &sole.vertices[j].r);
     let d = (rj - ri).xy();
+    let Some(along) = d.try_normalize(0.0) else { return ([w[2], 0.0], [w[1], 0.0], w[0], Vector2::x()) };
     let length = d.norm();
-    let along = d / length;
     let across = Vector2::new(-along.y, along.x);
     let f = Vector3::new(w[0], w[1], w[2]);
     // Moment about vertex i; only forces at j contribute: (r_j - r_i) x f_j.
@@ -82,5 +82,37 @@ pub fn share_tangent(sole: &SoleProblem, t: Vector2<f64>, yaw: f64, normal: &[f6
     for ((n, v), out) in normal.iter().zip(&sole.vertices).zip(out) {
         let d = v.r.xy() - centre;
         *out = t * (n / sum) + Vector2::new(-d.y, d.x) * (turn * n);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::model::state::SoleState;
+    use crate::contact::search::candidate::CandidateSolver;
+
+    /// Two corners of a patch may meet in a point. An edge between them holds what a vertex there holds.
+    #[test]
+    fn an_edge_whose_ends_coincide_is_a_vertex() {
+        let mut p = Problem::new(&[3]);
+        for (v, r) in p.soles[0].vertices.iter_mut().zip([[0.1, 0.05], [0.1, 0.05], [-0.1, 0.02]]) {
+            v.r = Vector3::new(r[0], r[1], -0.03);
+        }
+        (0..6).for_each(|k| p.w[7 * k] = [2.0, 2.0, 2.0, 9.0, 8.0, 7.0][k]);
+        p.b.copy_from_slice(&[0.4, -0.3, -9.81, 1.0, -2.0, 0.5]);
+        let solved = |pattern: Pattern| {
+            let (mut states, mut out) = (States::default(), Solution::new(&p));
+            states[0] = SoleState::fixed(pattern);
+            CandidateSolver::new(&p).solve(&p, &states, &mut out);
+            share_static(&p, &states, &mut out);
+            out
+        };
+        let (edge, vertex) = (solved(Pattern::Edge(0)), solved(Pattern::Vertex(0)));
+        let sum = |s: &Solution| Vector3::new(s.tangent[0][0].x, s.tangent[0][0].y, s.normal[0][0]);
+        // Rounding of forces of some 5 N.
+        assert!((sum(&edge) - sum(&vertex)).norm() < 1e-12, "{edge:?} {vertex:?}");
+        assert_eq!((edge.normal[0][1], edge.tangent[0][1]), (0.0, Vector2::zeros()));
+        let apart = edge.wrench.iter().zip(&vertex.wrench).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-12, "{edge:?} {vertex:?}");
     }
 }
