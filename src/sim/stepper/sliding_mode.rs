@@ -34,7 +34,6 @@
 
 use super::semi_implicit::{apply_step, evaluate_step, set_velocity_problem, show_forces};
 use super::step_size::StepSize;
-use crate::contact::model::solution::Solution;
 use crate::contact::model::state::States;
 use crate::integrate::{StepControl, error_norm};
 use crate::math;
@@ -43,7 +42,7 @@ use crate::sim::plant::{Polygon, StateLayout};
 use crate::sim::report::Observer;
 use crate::sim::run::{Deferral, RunState};
 use crate::sim::run_error::RunError;
-use crate::sim::termination::{check_finite, diverged};
+use crate::sim::termination::check_finite;
 use nalgebra::{Vector2, Vector3};
 
 /// Events by which the states must alternate, of few soles and of many, and after the mode was left for a trial.
@@ -282,18 +281,17 @@ impl SlidingMode {
         let jump = loop {
             // Leaves no sliver before the end.
             h = if remaining - h < 0.01 * h { remaining } else { h };
-            let Some([jump_of_whole, jump_of_halves]) = self.attempt(sim, h, &states, observer)? else {
-                // Impulses that are no numbers, where a contact problem is singular.
-                if h <= self.least {
-                    return Err(diverged(&sim.plant, "a velocity-level step has no finite impulses"));
-                }
-                sim.metrics.rejected_steps += 1;
-                most = 1.0;
-                self.restore(sim, t0, jumps, &states);
-                sim.plant.solution = Solution::new(&sim.plant.problem);
-                h = (0.5 * h).max(self.least);
-                continue;
-            };
+            self.advance(sim, h, t0 + h, observer)?;
+            sim.plant.pack(&sim.energy.flows, &mut self.whole);
+            let jump_of_whole = sim.energy.jump_work - jumps;
+            self.restore(sim, t0, jumps, &states);
+            self.advance(sim, 0.5 * h, t0 + 0.5 * h, observer)?;
+            if impulses.is_some() {
+                sim.plant.sole_forces(&sim.plant.solution.wrench, &mut self.sole_forces);
+            }
+            self.advance(sim, 0.5 * h, t0 + h, observer)?;
+            sim.plant.pack(&sim.energy.flows, &mut self.halves);
+            let jump_of_halves = sim.energy.jump_work - jumps;
             let (error, factor) = match *size {
                 StepSize::Controlled { relative, absolute, .. } => {
                     let error = self.error(relative, absolute, &layout);
@@ -362,35 +360,6 @@ impl SlidingMode {
         self.missed_before = if factor > 1.0 { mean } else { f64::INFINITY };
         self.least = (factor * self.least).min(self.longest_least).max(Self::SHORTEST);
         (self.misses, self.missed) = (0, (0.0, 0));
-    }
-
-    /// A step of size `h` from the start, in `whole`, and its two halves, in `halves`. Returns the work of their velocity
-    /// jumps; none if the end of one is not finite.
-    fn attempt(
-        &mut self,
-        sim: &mut RunState,
-        h: f64,
-        states: &States,
-        observer: &mut dyn Observer,
-    ) -> Result<Option<[f64; 2]>, RunError> {
-        let (t0, jumps) = (sim.plant.state.time, sim.energy.jump_work);
-        self.advance(sim, h, t0 + h, observer)?;
-        sim.plant.pack(&sim.energy.flows, &mut self.whole);
-        let jump_of_whole = sim.energy.jump_work - jumps;
-        let mut is_finite = check_finite(&sim.plant).is_ok();
-        self.restore(sim, t0, jumps, states);
-        for half in [0.5, 1.0] {
-            if !is_finite {
-                return Ok(None);
-            }
-            self.advance(sim, 0.5 * h, t0 + half * h, observer)?;
-            if half < 1.0 {
-                sim.plant.sole_forces(&sim.plant.solution.wrench, &mut self.sole_forces);
-            }
-            is_finite = check_finite(&sim.plant).is_ok();
-        }
-        sim.plant.pack(&sim.energy.flows, &mut self.halves);
-        Ok(is_finite.then_some([jump_of_whole, sim.energy.jump_work - jumps]))
     }
 
     /// One velocity-level step of size `h` to the time `end`, with its contact states and without
