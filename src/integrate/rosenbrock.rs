@@ -8,16 +8,17 @@
 //!
 //! N has the rates of positions by velocities, without which the stiffness of a spring would be explicit. T is the
 //! derivative of the stiff part by time, such as of a servo whose command moves: without it the error of an inexact A
-//! is a hundred times as high. The stages are those of [Hairer 1996], equations 7.24 and 7.25: sums of the ones in which
-//! methods are published, so that no product with A is needed.
+//! is a hundred times as high. The k_i are the u_i of [Hairer 1996], section IV.7, which need no product with A; c_ij is
+//! theirs times g.
 //!
 //! The method is ROS34PW2 of [Rang 2005]: four stages, order 3 with an embedded solution of order
 //! 2, L-stable. Being a W-method it has order 3 with any matrix A, which for stability has to contain
 //! what makes explicit steps unstable. Where that part of f is far from linear, the stages must not
 //! leave the slow solution either: the rows must then have the whole change of what they measure
-//! along the solution, so that `v_r^T f` is as small as that change. It is stiffly accurate: the end is the argument of
-//! the last stage and this stage. The dense output has order 2, and 3 where A is the Jacobian. Its weights are those of PETSc's TSROSWRA34PW2; unlike a Hermite interpolant it
-//! does not use derivatives at the end of the step, in which stiffness amplifies errors.
+//! along the solution, so that `v_r^T f` is as small as that change. It is stiffly accurate: y1 is the argument of f in
+//! the last stage plus k_4. The dense output has order 2, and 3 where A is the Jacobian. Its weights are those of PETSc's
+//! TSROSWRA34PW2; unlike a Hermite interpolant it does not use derivatives at the end of the step, in which stiffness
+//! amplifies errors.
 
 use super::stiff_part::{StiffPart, sparse_dot};
 use super::{System, error_norm};
@@ -26,7 +27,7 @@ use std::ops::Range;
 const STAGES: usize = 4;
 /// Diagonal coefficient g.
 const GAMMA: f64 = 0.435_866_521_508_459;
-/// Coefficients a_ij, those of the last stage first among the weights of the end.
+/// Coefficients a_ij. The weights b_i of the end are those of the last stage, and 1.
 const A: [[f64; 3]; STAGES] = [
     [0.0, 0.0, 0.0],
     [2.0, 0.0, 0.0],
@@ -66,7 +67,7 @@ pub struct Rosenbrock {
     start: Vec<f64>,
     /// Solution at the end of the last attempt.
     pub end: Vec<f64>,
-    /// The factors of S by rows, with the inverse diagonal of U, its pivots, and a right side.
+    /// The factors of the transpose of S by rows, with the inverse diagonal of U, its pivots, and a right side.
     small: Vec<f64>,
     pivots: Vec<usize>,
     right: Vec<f64>,

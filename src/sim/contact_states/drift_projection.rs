@@ -44,8 +44,8 @@ pub fn anchor_vertex(sim: &mut RunState, s: usize, i: usize) {
 
 impl RunState {
     /// Projects velocity and position errors of the clamped soles out of the plant's state. Needs
-    /// an evaluation at it. Returns false, and changes nothing, if the velocities are not drift: the states are to be
-    /// chosen again.
+    /// an evaluation at it. Returns false, and leaves the state, if the velocities are not drift: contact states are to
+    /// be chosen again.
     pub(in crate::sim) fn project_drift(&mut self) -> bool {
         if self.is_clamped() {
             self.solve_velocity_errors();

@@ -63,4 +63,22 @@ impl Plant {
         self.objects.list.iter().enumerate().for_each(|(o, object)| self.layout.pack(1 + o, &object.state, y));
         self.layout.pack_flows(flows, y);
     }
+
+    /// Writes the derivative of the integrator's vector `y` from the last evaluation, which was at `y`.
+    pub fn write_derivative(&self, y: &[f64], dy: &mut [f64]) {
+        let layout = &self.layout;
+        let set = |rates: &mut [f64], lag: &mut dyn Iterator<Item = f64>| {
+            rates.iter_mut().zip(lag).for_each(|(rate, lag)| *rate = lag);
+        };
+        layout.configuration_derivative(0, y, &self.state.v, dy);
+        set(layout.actuators(0, dy), &mut self.drives.lag_rates(&self.model, &self.state.actuators));
+        for (o, object) in self.objects.list.iter().enumerate() {
+            layout.configuration_derivative(1 + o, y, &object.state.v, dy);
+            set(layout.actuators(1 + o, dy), &mut object.lag_rates());
+        }
+        dy[layout.velocities()].copy_from_slice(&self.acceleration);
+        layout.pack_flows(&self.powers(), dy);
+        // The motion of kinematic joints is prescribed, not integrated.
+        self.kinematic_paths.joints().iter().for_each(|j| layout.hold(*j, dy));
+    }
 }
