@@ -6,7 +6,7 @@
 //! Imports: `robot`, `scenario`, `sim`, `assemble`, `batch`. Used by: the crate root.
 
 use crate::assemble;
-use crate::batch::{Batch, BatchError, Findings, Options, Progress, Report, prepare, simulate};
+use crate::batch::{Batch, BatchError, Findings, Options, Progress, Report, on_threads, prepare, simulate};
 use crate::robot::{self, InertiaPolicy, Robot, RobotError};
 use crate::scenario::{self, Diagnostics, InertiaSpec, Run, ScenarioFile};
 use crate::sim::{RunError, Setup, Simulation};
@@ -136,6 +136,7 @@ impl Run {
 /// run that fails is not an error but an outcome in the report.
 pub fn run_batch<P: AsRef<Path>>(scenarios: impl IntoIterator<Item = P>, options: Options) -> Result<Report, Error> {
     let files: Vec<PathBuf> = scenarios.into_iter().map(|path| path.as_ref().to_owned()).collect();
-    let (plan, _) = prepare(&files, &[], scenario::DEFAULT_MAX_RUNS).map_err(Error::Plan)?;
+    let prepared = on_threads(options.jobs, || prepare(&files, &[], scenario::DEFAULT_MAX_RUNS))?;
+    let (plan, _) = prepared.map_err(Error::Plan)?;
     Ok(Batch::new(plan, options)?.run(Progress::Silent, &simulate)?)
 }

@@ -184,7 +184,7 @@ fn runs_log(bytes: &[u8]) {
     let path = scratch::folder("runs").join(names::RUNS_LOG);
     scratch::write(&path, bytes);
     compare_with_itself(&path);
-    let mut log = RunsLog::append(&path).expect("a file");
+    let log = RunsLog::append(&path).expect("a file");
     let logged = log.logged().expect("a readable file");
     let again = log.logged().expect("a readable file");
     assert_eq!(logged.len(), again.len(), "damaged lines were kept");

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! [`prepare`] checks everything before anything runs. [`Batch::run`] runs the jobs. Worker threads
-//! simulate and write the files of their runs; the dispatcher alone prints, appends to `runs.jsonl`
-//! and collects the rows in the order of the plan. It knows live clients by the trait
+//! simulate, write the files of their runs and append to `runs.jsonl`; the dispatcher alone prints and
+//! collects the rows in the order of the plan. It knows live clients by the trait
 //! [`LiveClients`] only.
 //!
 //! Imports: `search`, `text`, `geometry`, `files`, `robot`, `convert`, `terrain`, `contact`, `script`, `scenario`,
@@ -48,4 +48,4 @@ pub use run::plausibility::marks_implausible;
 pub use run::run_end::RunEnd;
 pub(crate) use run::simulate::{Scene, open_log_of, topics};
 pub use run::simulate::{open_log, simulate, simulate_with_clients, simulate_with_command_source};
-pub use runner::{Batch, Interrupter};
+pub use runner::{Batch, Interrupter, on_threads};

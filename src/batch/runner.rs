@@ -1,6 +1,5 @@
 //! Runs the jobs of a plan on worker threads, then writes summary and report.
 
-use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
@@ -9,16 +8,25 @@ use crate::batch::dispatch::claim_watch::ClaimWatch;
 use crate::batch::dispatch::dispatcher::{Collected, Dispatcher};
 use crate::batch::dispatch::event::Event;
 use crate::batch::dispatch::finished_runs::AllRows;
+use crate::batch::dispatch::repetitions;
 use crate::batch::dispatch::schedule::Schedule;
 use crate::batch::dispatch::search_watch::SearchWatch;
-use crate::batch::dispatch::{repetitions, workers};
+use crate::batch::dispatch::workers::Workers;
 use crate::batch::resume::resumed;
 use crate::batch::{BatchError, Body, Finished, Listener, NoListener, Options, Plan, Progress, Report, Resumed};
 use crate::files::{RecordError, confined, if_present, names, remove_partial};
 use crate::report::{Pictured, ReportRun, ShownBatch, write_report_of};
 use crate::results::claims::{ClaimVerdict, write_claims};
 use crate::results::searches::{SearchResult, write_searches};
-use crate::results::{Machine, PROGRAM, RunStatistics, RunsLog, ShardHead, write_summary_of};
+use crate::results::{Machine, PROGRAM, RunStatistics, RunsLog, ShardHead};
+
+/// Calls `work` with the threads of a batch: what it does in parallel takes `jobs` threads, at least 1.
+///
+/// # Errors
+/// The threads cannot be started.
+pub fn on_threads<T: Send>(jobs: usize, work: impl FnOnce() -> T + Send) -> Result<T, BatchError> {
+    Ok(rayon::ThreadPoolBuilder::new().num_threads(jobs.max(1)).build()?.install(work))
+}
 
 /// Interrupts a batch from anywhere, such as a signal handler. The first interruption starts no
 /// more runs; the second cancels active ones.
@@ -58,7 +66,7 @@ impl Batch {
         // The summary is written last, so an unwritable folder is detected now.
         tempfile::tempfile_in(&options.output).map_err(refused)?;
         let runs_log_path = options.output.join(names::RUNS_LOG);
-        let mut runs_log = RunsLog::append(&runs_log_path)?;
+        let runs_log = RunsLog::append(&runs_log_path)?;
         // Detected now rather than by each run.
         for scenario in plan.scenarios() {
             let folder = options.output.join(scenario);
@@ -87,7 +95,7 @@ impl Batch {
             let logged = runs_log.logged()?;
             for index in resumed.finished.positions() {
                 if !logged.contains(plan.scenario(index), &plan.key(index)) {
-                    runs_log.push(&resumed.finished.row(index, &plan, &options.output)?)?;
+                    runs_log.push(&*resumed.finished.row(index, &plan, &options.output)?)?;
                 }
             }
         }
@@ -118,7 +126,7 @@ impl Batch {
     /// # Errors
     /// See [`Batch::run`].
     pub fn run_with_listener(
-        mut self,
+        self,
         progress: Progress,
         listener: &mut dyn Listener,
         body: &Body<'_>,
@@ -139,9 +147,11 @@ impl Batch {
         let claims = ClaimWatch::new(plan, &self.resumed.finished, output)?;
         schedule.drop_runs(&|index| !claims.needs(index));
         let (options, resumed, searches) = (&self.options, self.resumed, &self.searches);
-        let mut dispatcher = Dispatcher::new(plan, options, &gate, &mut self.runs_log, progress, listener, resumed);
+        let (schedule, claims, runs_log) = (&schedule, &claims, &self.runs_log);
+        let workers = Workers { plan, options, schedule, claims, searches, runs_log, gate: &gate, body };
+        let mut dispatcher = Dispatcher::new(plan, options, &gate, progress, listener, resumed);
         std::thread::scope(|scope| {
-            scope.spawn(|| workers::work(&pool, plan, options, (&schedule, &claims, searches), &gate, &sender, body));
+            scope.spawn(|| workers.work(&pool, &sender));
             dispatcher.receive(&inbox);
             let to_repeat = dispatcher.take_repeats();
             if !to_repeat.is_empty() {
@@ -165,17 +175,26 @@ impl Batch {
         let verdicts = claims.verdicts();
         verdicts.iter().for_each(|verdict| listener.judged(verdict));
         let claims_file = write_claims(output, &verdicts, claims.changes())?;
-        let rows = AllRows { store: &store, plan, output, statistics: RefCell::default() };
-        let summary = if store.count == 0 { None } else { Some(write_summary_of(output, &rows)?) };
-        let (count, statistics) = (store.count, rows.statistics.into_inner().unwrap_or_default());
+        let rows = AllRows { store: &store, plan, output };
+        let (columns, statistics) = rows.survey()?;
+        let (mut summary, mut page) = (None, None);
+        if store.count > 0 {
+            let runs = (store.shown(), &statistics);
+            let write = || {
+                rayon::join(
+                    || columns.write(output, &rows),
+                    || write_page(output, runs, &references.shown(), (&verdicts, &found)),
+                )
+            };
+            let (of_summary, of_page) = pool.install(write);
+            if of_summary.is_err() {
+                // It names the summary.
+                let _ = std::fs::remove_file(output.join(names::REPORT));
+            }
+            (summary, page) = (Some(of_summary?), Some(of_page?));
+        }
         let (unfinished, failed) = (store.unfinished, store.failed);
-        let (finished, references) = (store.into_sample(), references.into_sample());
-        let page = if count == 0 {
-            None
-        } else {
-            let runs = (finished.as_slice(), &statistics);
-            Some(write_page(output, runs, &references, (&verdicts, &found))?)
-        };
+        let (finished, references) = (store.into_shown(), references.into_shown());
         Ok(Report {
             not_started,
             is_part: plan.is_part(),
@@ -200,25 +219,25 @@ impl Batch {
 /// Writes `report.html`.
 fn write_page(
     output: &Path,
-    (finished, statistics): (&[Finished], &RunStatistics),
-    references: &[Finished],
+    (finished, statistics): (Vec<&Finished>, &RunStatistics),
+    references: &[&Finished],
     (claims, searches): (&[ClaimVerdict], &[SearchResult]),
 ) -> Result<PathBuf, RecordError> {
     let (page, machine) = (output.join(names::REPORT), Machine::here());
-    let runs = as_reported(finished, &machine);
+    let runs = as_reported(&finished, &machine);
     let references = as_reported(references, &machine);
-    write_report_of(
-        &page,
-        output,
-        (&runs, statistics),
-        &references,
-        (&Pictured::Few, ShownBatch { claims, searches, history: None }),
-    )?;
+    let pending = &[names::SUMMARY_CSV, names::SUMMARY_PARQUET];
+    let batch = ShownBatch { claims, searches, history: None, pending };
+    write_report_of(&page, output, (&runs, statistics), &references, (&Pictured::Few, batch))?;
     Ok(page)
 }
 
-fn as_reported<'a>(finished: &'a [Finished], machine: &'a Machine) -> Vec<ReportRun<'a>> {
-    let run =
-        |f: &'a Finished| ReportRun { row: &f.row, origin: Some((PROGRAM, machine)), notes: &f.notes, files: &f.files };
+fn as_reported<'a>(finished: &[&'a Finished], machine: &'a Machine) -> Vec<ReportRun<'a>> {
+    let run = |f: &&'a Finished| ReportRun {
+        row: &f.row,
+        origin: Some((PROGRAM, machine)),
+        notes: &f.notes,
+        files: &f.files,
+    };
     finished.iter().map(run).collect()
 }

@@ -120,6 +120,8 @@ pub struct ShownBatch<'a> {
     pub searches: &'a [SearchResult],
     /// Earlier results.
     pub history: Option<ShownHistory<'a>>,
+    /// Files of the folder that are still being written.
+    pub pending: &'a [&'static str],
 }
 
 /// Writes the report on runs, in the given order, and on their reference runs. Paths on the page
@@ -223,7 +225,7 @@ fn page(
         runs: runs::runs(runs, &works),
         references: runs::references(references),
         notes: runs::notes(runs),
-        files: runs::files(results, runs, references),
+        files: runs::files(results, runs, references, batch.pending),
     })
 }
 

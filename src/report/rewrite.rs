@@ -30,7 +30,7 @@ pub fn rewrite_results(
     let (claims, searches) = (read_claims(folder)?, read_searches(folder)?);
     let changes = read_change_claims(folder)?;
     let history = history.map(|history| ShownHistory { history, changes: &changes });
-    let batch = ShownBatch { claims: &claims, searches: &searches, history };
+    let batch = ShownBatch { claims: &claims, searches: &searches, history, pending: &[] };
     write_report_of(page, folder, (&shown, &statistics), &references, (pictured, batch))?;
     Ok((files, rows))
 }

@@ -118,11 +118,16 @@ pub(super) fn notes(runs: &[ReportRun]) -> Vec<String> {
     runs.iter().flat_map(notes).take(MAX_FILES).collect()
 }
 
-/// Files of the batch and of its runs, relative to the folder of results; and the number of those
-/// omitted.
-pub(super) fn files(results: &Path, runs: &[ReportRun], references: &[ReportRun]) -> (Vec<String>, usize) {
-    let batch = crate::files::names::SUMMARIES.map(|name| results.join(name));
-    let batch = batch.into_iter().filter(|path| path.is_file());
+/// Files of the batch, `pending` ones too, and of its runs, relative to the folder of results; and
+/// the number of those omitted.
+pub(super) fn files(
+    results: &Path,
+    runs: &[ReportRun],
+    references: &[ReportRun],
+    pending: &[&str],
+) -> (Vec<String>, usize) {
+    let is_there = |name: &&str| pending.contains(name) || results.join(name).is_file();
+    let batch = crate::files::names::SUMMARIES.into_iter().filter(is_there).map(|name| results.join(name));
     let own = runs.iter().chain(references).flat_map(|run| run.files.iter().cloned());
     let relative = |path: &Path| path.strip_prefix(results).unwrap_or(path).display().to_string();
     let all: Vec<String> = batch.chain(own).map(|path| relative(&path)).collect();

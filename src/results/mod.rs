@@ -54,8 +54,8 @@ pub use runs_log::{LoggedRuns, RunsLog};
 pub use shard_list::{PlanHash, SHARD_LIST, SHARD_SCHEMA, ShardHead, ShardList, ShardRun};
 pub(crate) use summary::ScenarioStatistics;
 pub use summary::{
-    BoundedSample, Rows, RunStatistics, SAMPLE_SIZE, SummaryFiles, SummaryRow, measure, metric, truth_columns,
-    write_summary, write_summary_of,
+    BoundedSample, Rows, RunStatistics, SAMPLE_SIZE, SummaryColumns, SummaryFiles, SummaryRow, measure, metric,
+    truth_columns, write_summary, write_summary_of,
 };
 pub use table::{endings, table};
 pub use verdict::Verdict;

@@ -13,12 +13,12 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{BufRead, BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// An open `runs.jsonl`.
 pub struct RunsLog {
     path: PathBuf,
-    file: File,
-    line: Vec<u8>,
+    file: Mutex<File>,
 }
 
 impl RunsLog {
@@ -46,7 +46,7 @@ impl RunsLog {
             Err(TryLockError::WouldBlock) => return Err(RecordError::InUse { path: path.to_owned() }),
         }
         remove_torn_line(&mut file).map_err(RecordError::io(path))?;
-        Ok(Self { path: path.to_owned(), file, line: Vec::new() })
+        Ok(Self { path: path.to_owned(), file: Mutex::new(file) })
     }
 
     /// Opens the file for new results and empties it.
@@ -55,38 +55,40 @@ impl RunsLog {
     /// See [`RunsLog::append`].
     pub fn create(path: &Path) -> Result<Self, RecordError> {
         let log = Self::append(path)?;
-        log.file.set_len(0).map_err(RecordError::io(path))?;
+        log.file().set_len(0).map_err(RecordError::io(path))?;
         Ok(log)
     }
 
-    /// Appends one run.
+    /// Appends one run. Threads write in turn.
     ///
     /// # Errors
     /// The file cannot be written; then it ends with the last line that could.
-    pub fn push(&mut self, row: &SummaryRow) -> Result<(), RecordError> {
-        self.line.clear();
-        serde_json::to_writer(&mut self.line, &Line(row))
-            .map_err(|source| RecordError::Json { path: self.path.clone(), source })?;
-        checksum::append(&mut self.line, Layout::Line);
-        self.line.push(b'\n');
-        let before = self.file.metadata().map(|m| m.len());
+    pub fn push(&self, row: &SummaryRow) -> Result<(), RecordError> {
+        let line = encoded(row).map_err(|source| RecordError::Json { path: self.path.clone(), source })?;
+        let mut file = self.file();
+        let before = file.metadata().map(|m| m.len());
         // One unbuffered write per line: lines of a killed program are complete or absent.
         // The file may have been read; one without its damaged lines is not open to append.
-        let written = self.file.seek(SeekFrom::End(0)).and_then(|_| self.file.write_all(&self.line));
-        let written = written.and_then(|()| durability::sync_file(&self.file));
+        let written = file.seek(SeekFrom::End(0)).and_then(|_| file.write_all(&line));
+        let written = written.and_then(|()| durability::sync_file(&file));
         written.map_err(|source| {
             // A full disk accepts the beginning of a line, which is removed here; devices cannot be
             // truncated.
-            let _ = before.and_then(|length| self.file.set_len(length));
+            let _ = before.and_then(|length| file.set_len(length));
             RecordError::Io { path: self.path.clone(), source }
         })
+    }
+
+    /// The file of one thread at a time. A thread that panicked left whole lines or none.
+    fn file(&self) -> MutexGuard<'_, File> {
+        self.file.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The runs with an intact line. Removes damaged lines.
     ///
     /// # Errors
     /// The file cannot be read or written.
-    pub fn logged(&mut self) -> Result<LoggedRuns, RecordError> {
+    pub fn logged(&self) -> Result<LoggedRuns, RecordError> {
         let (logged, damaged) = self.read_lines().map_err(RecordError::io(&self.path))?;
         if damaged {
             self.remove_damaged_lines()?;
@@ -95,10 +97,11 @@ impl RunsLog {
     }
 
     /// The runs with an intact line, and whether other lines are damaged.
-    fn read_lines(&mut self) -> std::io::Result<(LoggedRuns, bool)> {
-        self.file.seek(SeekFrom::Start(0))?;
+    fn read_lines(&self) -> std::io::Result<(LoggedRuns, bool)> {
+        let mut file = self.file();
+        file.seek(SeekFrom::Start(0))?;
         let (mut logged, mut damaged) = (LoggedRuns::default(), false);
-        for line in BufReader::new(&self.file).split(b'\n') {
+        for line in BufReader::new(&*file).split(b'\n') {
             match logged_run(&line?) {
                 Some(run) => drop(logged.0.insert(run)),
                 None => damaged = true,
@@ -108,18 +111,19 @@ impl RunsLog {
     }
 
     /// Replaces the file by one with its intact lines, which is locked before it has the name.
-    fn remove_damaged_lines(&mut self) -> Result<(), RecordError> {
+    fn remove_damaged_lines(&self) -> Result<(), RecordError> {
         let (intact, temporary) = atomic::temporary(&self.path)?;
         self.copy_intact_lines(&intact).map_err(RecordError::io(&self.path))?;
         atomic::publish(temporary, &self.path)?;
-        self.file = intact;
+        *self.file() = intact;
         Ok(())
     }
 
-    fn copy_intact_lines(&mut self, to: &File) -> std::io::Result<()> {
-        self.file.seek(SeekFrom::Start(0))?;
+    fn copy_intact_lines(&self, to: &File) -> std::io::Result<()> {
+        let mut file = self.file();
+        file.seek(SeekFrom::Start(0))?;
         let mut out = BufWriter::new(to);
-        for line in BufReader::new(&self.file).split(b'\n') {
+        for line in BufReader::new(&*file).split(b'\n') {
             let line = line?;
             if logged_run(&line).is_some() {
                 out.write_all(&line)?;
@@ -185,8 +189,16 @@ fn remove_torn_line(file: &mut File) -> std::io::Result<()> {
     if end < length { file.set_len(end) } else { Ok(()) }
 }
 
+/// The line of a run, with its checksum and end.
+fn encoded(row: &SummaryRow) -> serde_json::Result<Vec<u8>> {
+    let mut line = serde_json::to_vec(&Line(row))?;
+    checksum::append(&mut line, Layout::Line);
+    line.push(b'\n');
+    Ok(line)
+}
+
 /// A row as a flat object: parameters under their dotted names, as in the summary; empty cells are
-/// null. [`RunsLog::push`] adds the checksum.
+/// null. Without the checksum.
 struct Line<'a>(&'a SummaryRow);
 
 impl Serialize for Line<'_> {

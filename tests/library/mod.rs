@@ -12,6 +12,7 @@ mod step_and_read;
 mod checkpoint;
 
 use std::sync::Arc;
+use stiction::batch::on_threads;
 use stiction::{Error, Options, Outcome, Scenario, Setup, Simulation, run_batch};
 
 #[test]
@@ -62,6 +63,12 @@ fn errors_contain_file_line_and_key() {
     assert!(text.contains("typo.toml:2:") && text.contains("fricton") && text.contains("friction"), "{text}");
     let missing = Scenario::parse("missing.toml", "robot = { model = \"robots/none.urdf\" }").unwrap().runs().unwrap();
     assert!(matches!(missing[0].simulation().err(), Some(Error::Robot(_))));
+}
+
+#[test]
+fn work_on_the_threads_of_a_batch_has_as_many_as_its_jobs() {
+    let threads = |jobs| on_threads(jobs, || rayon::broadcast(|_| std::thread::current().id()).len()).unwrap();
+    assert_eq!([0, 1, 3].map(threads), [1, 1, 3]);
 }
 
 #[test]

@@ -268,7 +268,7 @@ fn runs_jsonl_has_a_complete_line_for_every_run() {
     let lines = || -> Vec<serde_json::Value> {
         std::fs::read_to_string(&path).unwrap().lines().map(|l| serde_json::from_str(l).unwrap()).collect()
     };
-    let mut log = RunsLog::append(&path).unwrap();
+    let log = RunsLog::append(&path).unwrap();
     log.push(&row).unwrap();
     assert_eq!(lines().len(), 1, "the line is on disk while the log is open");
     log.push(&row).unwrap();
@@ -292,7 +292,7 @@ fn an_incomplete_last_line_is_removed() {
     let torn = format!("{{\"scenario\":\"{}", "x".repeat(10_000));
     for before in ["", "{\"scenario\":\"s\",\"key\":\"k\"}\n"] {
         std::fs::write(&path, format!("{before}{torn}")).unwrap();
-        let mut log = RunsLog::append(&path).unwrap();
+        let log = RunsLog::append(&path).unwrap();
         log.push(&record().summary_row()).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let rest = text.strip_prefix(before).expect("whole lines stay");
@@ -327,7 +327,7 @@ fn every_changed_bit_of_a_record_is_detected() {
 fn damaged_lines_are_removed_and_their_runs_listed_again() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("runs.jsonl");
-    let mut log = RunsLog::append(&path).unwrap();
+    let log = RunsLog::append(&path).unwrap();
     let row = |key: &str| RunRecord { key: key.into(), ..record() }.summary_row();
     ["a", "b", "c"].iter().for_each(|key| log.push(&row(key)).unwrap());
     let whole = std::fs::read_to_string(&path).unwrap();
@@ -345,6 +345,27 @@ fn damaged_lines_are_removed_and_their_runs_listed_again() {
     assert_eq!(std::fs::read_to_string(&path).unwrap(), [lines[0], lines[2], lines[1]].concat());
     let refused = RunsLog::append(&path).map(|_| ()).unwrap_err();
     assert!(matches!(refused, RecordError::InUse { .. }), "the file kept its lock");
+}
+
+#[test]
+fn lines_of_several_threads_are_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("runs.jsonl");
+    let log = RunsLog::append(&path).unwrap();
+    let names = |thread: usize| (0..200).map(move |k| format!("{thread}-{k}"));
+    std::thread::scope(|scope| {
+        for thread in 0..4 {
+            let log = &log;
+            scope.spawn(move || {
+                names(thread).for_each(|key| log.push(&RunRecord { key, ..record() }.summary_row()).unwrap());
+            });
+        }
+    });
+    let whole = std::fs::read_to_string(&path).unwrap();
+    let logged = log.logged().unwrap();
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), whole, "no line is damaged");
+    assert_eq!((whole.lines().count(), logged.len()), (800, 800));
+    assert!((0..4).flat_map(names).all(|key| logged.contains(&record().scenario, &key)));
 }
 
 #[test]

@@ -28,7 +28,7 @@ impl<'a> ClaimWatch<'a> {
         let watch = ClaimWatch { plan, tally: Mutex::new(Tally::new(heads)) };
         if !watch.lock().is_empty() {
             for index in finished.positions() {
-                watch.add(index, &finished.row(index, plan, output)?);
+                watch.add(index, &*finished.row(index, plan, output)?);
             }
         }
         Ok(watch)

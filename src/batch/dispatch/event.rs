@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::files::RecordError;
 use crate::sim::RunError;
 
 use crate::batch::run::run_timer::Lap;
@@ -32,12 +33,14 @@ pub(in crate::batch) enum Event {
         /// Cancels the work.
         cancellation: Arc<Cancellation>,
     },
-    /// A run ended and its files are written.
+    /// A run ended; its files and its line of `runs.jsonl` are written.
     Finished {
         /// The work.
         work: Work,
         /// Its result.
         finished: Box<Finished>,
+        /// Why its line could not be written.
+        unlisted: Option<RecordError>,
     },
     /// A round of repetitions begins.
     Round {

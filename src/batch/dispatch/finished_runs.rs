@@ -1,13 +1,13 @@
 //! Stores finished runs: a few thousand in memory, the others in their records.
 
 use crate::files::names;
-use std::cell::RefCell;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::batch::{Finished, Job, Plan};
 use crate::files::RecordError;
-use crate::results::{BoundedSample, Machine, PROGRAM, Rows, RunRecord, RunStatistics, SummaryRow};
+use crate::results::{BoundedSample, Machine, PROGRAM, Rows, RunRecord, RunStatistics, SummaryColumns, SummaryRow};
 use crate::sim::Outcome;
 
 /// Finished runs by their positions in the plan.
@@ -65,11 +65,18 @@ impl Store {
     ///
     /// # Errors
     /// The record cannot be read.
-    pub fn row(&self, index: usize, plan: &Plan, output: &Path) -> Result<SummaryRow, RecordError> {
-        match self.unwritten.get(&index).or_else(|| self.sample.get(index)) {
-            Some(finished) => Ok(finished.row.clone()),
-            None => Ok(RunRecord::read(&plan.folder(index, output).join(names::RUN_RECORD))?.summary_row()),
+    pub fn row(&self, index: usize, plan: &Plan, output: &Path) -> Result<Cow<'_, SummaryRow>, RecordError> {
+        match self.in_memory(index) {
+            Some(finished) => Ok(Cow::Borrowed(&finished.row)),
+            None => {
+                let record = RunRecord::read(&plan.folder(index, output).join(names::RUN_RECORD))?;
+                Ok(Cow::Owned(record.summary_row()))
+            }
         }
+    }
+
+    fn in_memory(&self, index: usize) -> Option<&Finished> {
+        self.unwritten.get(&index).or_else(|| self.sample.get(index))
     }
 
     /// A finished run, from memory or from its record.
@@ -77,7 +84,7 @@ impl Store {
     /// # Errors
     /// The record cannot be read.
     pub fn finished(&self, job: &Job, output: &Path) -> Result<Finished, RecordError> {
-        if let Some(finished) = self.unwritten.get(&job.index).or_else(|| self.sample.get(job.index)) {
+        if let Some(finished) = self.in_memory(job.index) {
             return Ok(finished.clone());
         }
         let path = job.folder(output).join(names::RUN_RECORD);
@@ -86,8 +93,18 @@ impl Store {
         Ok(Finished { files: vec![path], notes: record.notes, accepted: !row.is_refused(), row, storage_full: false })
     }
 
-    /// The runs in memory, in the order of the plan.
-    pub fn into_sample(self) -> Vec<Finished> {
+    /// The runs in memory that a report shows, in the order of the plan.
+    pub fn shown(&self) -> Vec<&Finished> {
+        let mut shown = BoundedSample::default();
+        let unwritten = self.unwritten.iter().map(|(index, finished)| (*index, finished));
+        for (index, finished) in self.sample.iter().chain(unwritten) {
+            shown.insert(index, finished, !finished.accepted);
+        }
+        shown.into_sorted()
+    }
+
+    /// The runs of [`Store::shown`].
+    pub fn into_shown(self) -> Vec<Finished> {
         let Store { mut sample, unwritten, .. } = self;
         for (index, finished) in unwritten {
             let is_refused = !finished.accepted;
@@ -102,25 +119,25 @@ pub(in crate::batch) struct AllRows<'a> {
     pub store: &'a Store,
     pub plan: &'a Plan,
     pub output: &'a Path,
-    /// Statistics of the rows, complete after one pass; sums follow the order of the plan.
-    pub statistics: RefCell<Option<RunStatistics>>,
+}
+
+impl AllRows<'_> {
+    /// The columns of the summary, and statistics; sums follow the order of the plan.
+    pub fn survey(&self) -> Result<(SummaryColumns, RunStatistics), RecordError> {
+        let (mut columns, mut statistics) = (SummaryColumns::default(), RunStatistics::default());
+        let machine = Machine::here();
+        for index in self.store.positions() {
+            let row = self.store.row(index, self.plan, self.output)?;
+            let record = self.plan.folder(index, self.output).join(names::RUN_RECORD);
+            columns.add(&row);
+            statistics.add(&row, Some((PROGRAM, &machine)), Some(&record));
+        }
+        Ok((columns, statistics))
+    }
 }
 
 impl Rows for AllRows<'_> {
     fn for_each(&self, visit: &mut dyn FnMut(&SummaryRow) -> Result<(), RecordError>) -> Result<(), RecordError> {
-        let mut statistics = self.statistics.borrow().is_none().then(RunStatistics::default);
-        let machine = Machine::here();
-        for index in self.store.positions() {
-            let row = self.store.row(index, self.plan, self.output)?;
-            if let Some(statistics) = &mut statistics {
-                let record = self.plan.folder(index, self.output).join(names::RUN_RECORD);
-                statistics.add(&row, Some((PROGRAM, &machine)), Some(&record));
-            }
-            visit(&row)?;
-        }
-        if statistics.is_some() {
-            self.statistics.replace(statistics);
-        }
-        Ok(())
+        self.store.positions().try_for_each(|index| visit(&*self.store.row(index, self.plan, self.output)?))
     }
 }

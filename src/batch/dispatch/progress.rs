@@ -79,15 +79,17 @@ impl Progress {
     }
 
     pub(in crate::batch) fn finished(&self, job: &Job, finished: &Finished, done: usize, runs: usize) {
-        let line = finished_line(job, finished, done, runs);
+        let line = || finished_line(job, finished, done, runs);
         match self {
             Progress::Bar(bar) => {
                 bar.inc(1);
                 if !finished.accepted {
-                    bar.println(line);
+                    bar.println(line());
                 }
             }
-            Progress::Lines(lines) if lines.selects(finished.accepted, done, runs, Instant::now()) => print_line(&line),
+            Progress::Lines(lines) if lines.selects(finished.accepted, done, runs, Instant::now()) => {
+                print_line(&line());
+            }
             Progress::Lines(_) | Progress::Silent => {}
         }
     }

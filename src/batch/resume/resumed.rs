@@ -118,7 +118,8 @@ pub(in crate::batch) fn find_results(
                 }
                 resumed.finished.insert(index, *finished);
                 if plan.probe_place(index).is_some() {
-                    due.extend(searches.finished(plan, index, &resumed.finished.row(index, plan, &options.output)?));
+                    let row = resumed.finished.row(index, plan, &options.output)?;
+                    due.extend(searches.finished(plan, index, &row));
                 }
                 continue;
             }

@@ -58,7 +58,7 @@ impl Merge {
         let merged = shards.write(&self.output, &missing).map_err(refused)?;
         let page = self.output.join(names::REPORT);
         let runs = (merged.runs.as_slice(), &merged.statistics);
-        let batch = ShownBatch { claims: &merged.claims, searches: &merged.searches, history: None };
+        let batch = ShownBatch { claims: &merged.claims, searches: &merged.searches, ..ShownBatch::default() };
         write_report_of_found(&page, &self.output, runs, &merged.references, batch)
             .map_err(|error| refused(error.into()))?;
         print(&visible_lines(&summary(&merged, &page)))?;

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use crate::batch::{
     Batch, BatchFinished, BatchStarted, Finished, Junit, Listener, Message, MessageWriter, Options, Progress, Report,
-    Resumed, is_slow, marks_implausible, simulate_with_clients,
+    Resumed, is_slow, marks_implausible, on_threads, simulate_with_clients,
 };
 use crate::files::make_durable;
 use crate::remote::Pace;
@@ -103,7 +103,9 @@ impl Run {
     fn batch(self, last: &mut BatchFinished) -> Result<Exit, Exit> {
         let format = self.format.message_format;
         let notes = if self.verbose { usize::MAX } else { MOST_NOTES };
-        let plan = self.scenarios.prepare(notes, format)?;
+        let jobs = self.jobs.or(std::thread::available_parallelism().ok()).map_or(1, NonZero::get);
+        let plan = on_threads(jobs, || self.scenarios.prepare(notes, format))
+            .map_err(|error| refuse(&error, last, Exit::Unfinished))??;
         let (runs, references) = (plan.runs(), plan.references());
         let pace = if let Pace::Times(times) = self.pace { Some(times) } else { None };
         let clients = self.live.start(&plan, pace).map_err(|error| refuse(&error, last, Exit::Invalid))?;
@@ -113,7 +115,7 @@ impl Run {
         let repetitions = if self.each.no_timing { 0 } else { plan.repetitions() };
         let options = Options {
             output: self.output.clone(),
-            jobs: self.jobs.or(std::thread::available_parallelism().ok()).map_or(1, NonZero::get),
+            jobs,
             log: !self.each.no_log,
             timeout: self.each.timeout,
             max_fail: if self.fail_fast { Some(NonZero::<usize>::MIN) } else { self.max_fail },

@@ -51,7 +51,7 @@ impl Shards {
     pub fn write(&self, output: &Path, missing: &Missing) -> Result<Merged, MergeError> {
         let mut references = Vec::new();
         let runs_log = output.join(names::RUNS_LOG);
-        let mut log = RunsLog::create(&runs_log)?;
+        let log = RunsLog::create(&runs_log)?;
         remove_partial(output);
         for name in names::BATCH_OUTPUTS {
             let path = output.join(name);

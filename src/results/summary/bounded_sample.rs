@@ -62,6 +62,11 @@ impl<T> BoundedSample<T> {
         self.good.get_mut(&index).or_else(|| self.failed.get_mut(&index))
     }
 
+    /// All items with their indices.
+    pub fn iter(&self) -> impl Iterator<Item = (usize, &T)> {
+        self.good.iter().chain(&self.failed).map(|(index, item)| (*index, item))
+    }
+
     /// All items, in the order of their indices.
     pub fn into_sorted(self) -> Vec<T> {
         let mut all = self.good;

@@ -53,46 +53,17 @@ pub fn write_summary(folder: &Path, rows: &[SummaryRow]) -> Result<SummaryFiles,
 /// # Errors
 /// See [`write_summary`]; and a row cannot be read.
 pub fn write_summary_of(folder: &Path, rows: &dyn Rows) -> Result<SummaryFiles, RecordError> {
-    let files = SummaryFiles { csv: folder.join(names::SUMMARY_CSV), parquet: folder.join(names::SUMMARY_PARQUET) };
-    let failure = |path: &Path| {
-        let path = path.to_owned();
-        move |source| RecordError::Summary { path, source }
-    };
-    let mut layout = Layout::default();
+    let mut columns = SummaryColumns::default();
     rows.for_each(&mut |row| {
-        layout.add(row);
+        columns.add(row);
         Ok(())
     })?;
-    let empty = layout.frame(&[]).map_err(failure(&files.csv))?;
-    let schema = empty.schema();
-    atomic::write(&files.csv, |csv| {
-        atomic::write(&files.parquet, |parquet| {
-            let mut csv = CsvWriter::new(csv).batched(schema).map_err(failure(&files.csv))?;
-            let mut parquet = ParquetWriter::new(parquet).batched(schema).map_err(failure(&files.parquet))?;
-            let mut write = |part: &mut Vec<SummaryRow>| {
-                let frame = layout.frame(part).map_err(failure(&files.csv))?;
-                part.clear();
-                csv.write_batch(&frame).map_err(failure(&files.csv))?;
-                parquet.write_batch(&frame).map_err(failure(&files.parquet))
-            };
-            let mut part = Vec::new();
-            rows.for_each(&mut |row| {
-                part.push(row.clone());
-                if part.len() == PART { write(&mut part) } else { Ok(()) }
-            })?;
-            if !part.is_empty() {
-                write(&mut part)?;
-            }
-            csv.finish().map_err(failure(&files.csv))?;
-            parquet.finish().map(|_| ()).map_err(failure(&files.parquet))
-        })
-    })?;
-    Ok(files)
+    columns.write(folder, rows)
 }
 
 /// The columns that depend on the rows. They are empty where a row lacks a value.
-#[derive(Default)]
-struct Layout {
+#[derive(Debug, Default)]
+pub struct SummaryColumns {
     /// Swept parameters of all rows, in the order of first appearance.
     parameters: Vec<(String, ParameterType)>,
     /// Columns of distances from truths, in the order of first appearance.
@@ -100,15 +71,16 @@ struct Layout {
 }
 
 /// Type of a parameter's column; each type can represent the values of those before it.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum ParameterType {
     Whole,
     Real,
     Text,
 }
 
-impl Layout {
-    fn add(&mut self, row: &SummaryRow) {
+impl SummaryColumns {
+    /// Adds the columns of a row.
+    pub fn add(&mut self, row: &SummaryRow) {
         for (name, value) in &row.parameters {
             let kind = match value {
                 ParamValue::Integer(_) => ParameterType::Whole,
@@ -127,19 +99,122 @@ impl Layout {
         }
     }
 
-    /// A part of the summary as a table: identity and `seed`; swept parameters; metrics; distances
-    /// from known truths.
-    fn frame(&self, rows: &[SummaryRow]) -> PolarsResult<DataFrame> {
-        let texts = TEXT_COLUMNS.iter().map(|c| text_series(c.name, rows.iter().map(|r| Some((c.get)(r).to_owned()))));
-        let seed = Series::new("seed".into(), rows.iter().map(|r| r.seed).collect::<Vec<_>>());
-        let parameters = self.parameters.iter().map(|(name, kind)| parameter_series(name, *kind, rows));
-        let metrics = COLUMNS.iter().map(|column| metric_series(column, rows));
-        let truths = self.truths.iter().map(|name| {
-            let errors: Vec<Option<f64>> = rows.iter().map(|row| truth_error(row, name)).collect();
-            Series::new(name.as_str().into(), errors)
-        });
+    /// Writes the summary of rows whose columns were added, with the threads of the present pool.
+    ///
+    /// # Errors
+    /// See [`write_summary_of`].
+    pub fn write(&self, folder: &Path, rows: &dyn Rows) -> Result<SummaryFiles, RecordError> {
+        let files = SummaryFiles { csv: folder.join(names::SUMMARY_CSV), parquet: folder.join(names::SUMMARY_PARQUET) };
+        let failure = |path: &Path| {
+            let path = path.to_owned();
+            move |source| RecordError::Summary { path, source }
+        };
+        let empty = Cells::new(self).frame().map_err(failure(&files.csv))?;
+        let (schema, threads) = (empty.schema(), rayon::current_num_threads());
+        atomic::write(&files.csv, |csv| {
+            atomic::write(&files.parquet, |parquet| {
+                let mut csv = CsvWriter::new(csv).n_threads(threads).batched(schema).map_err(failure(&files.csv))?;
+                let mut parquet = ParquetWriter::new(parquet)
+                    .set_parallel(threads > 1)
+                    .batched(schema)
+                    .map_err(failure(&files.parquet))?;
+                let mut write = |cells: Cells| {
+                    let frame = cells.frame().map_err(failure(&files.csv))?;
+                    let (text, binary) = rayon::join(|| csv.write_batch(&frame), || parquet.write_batch(&frame));
+                    text.map_err(failure(&files.csv))?;
+                    binary.map_err(failure(&files.parquet))
+                };
+                let mut cells = Cells::new(self);
+                rows.for_each(&mut |row| {
+                    cells.push(row);
+                    if cells.rows() < PART { Ok(()) } else { write(std::mem::replace(&mut cells, Cells::new(self))) }
+                })?;
+                if cells.rows() > 0 {
+                    write(cells)?;
+                }
+                csv.finish().map_err(failure(&files.csv))?;
+                parquet.finish().map(|_| ()).map_err(failure(&files.parquet))
+            })
+        })?;
+        Ok(files)
+    }
+}
+
+/// A part of the summary: identity and `seed`; swept parameters; metrics; distances from known truths.
+struct Cells<'a> {
+    columns: &'a SummaryColumns,
+    texts: Vec<Vec<Option<String>>>,
+    seeds: Vec<u64>,
+    parameters: Vec<Vec<Option<ParamValue>>>,
+    /// Those of [`COLUMNS`].
+    metrics: Vec<Numbers>,
+    truths: Vec<Vec<Option<f64>>>,
+}
+
+/// Counts stay whole numbers.
+enum Numbers {
+    Counts(Vec<Option<u64>>),
+    Reals(Vec<Option<f64>>),
+}
+
+impl Numbers {
+    fn push(&mut self, cell: Measure) {
+        match self {
+            Numbers::Counts(list) => list.push(if let Measure::Count(n) = cell { Some(n) } else { None }),
+            Numbers::Reals(list) => list.push(if let Measure::Real(x) = cell { Some(x) } else { None }),
+        }
+    }
+
+    fn series(self, name: &str) -> Series {
+        match self {
+            Numbers::Counts(list) => Series::new(name.into(), list),
+            Numbers::Reals(list) => Series::new(name.into(), list),
+        }
+    }
+}
+
+impl<'a> Cells<'a> {
+    fn new(columns: &'a SummaryColumns) -> Self {
+        let numbers = |is_count| if is_count { Numbers::Counts(Vec::new()) } else { Numbers::Reals(Vec::new()) };
+        Cells {
+            columns,
+            texts: vec![Vec::new(); TEXT_COLUMNS.len()],
+            seeds: Vec::new(),
+            parameters: vec![Vec::new(); columns.parameters.len()],
+            metrics: COLUMNS.iter().map(|column| numbers(column.is_count)).collect(),
+            truths: vec![Vec::new(); columns.truths.len()],
+        }
+    }
+
+    fn rows(&self) -> usize {
+        self.seeds.len()
+    }
+
+    fn push(&mut self, row: &SummaryRow) {
+        for (list, column) in self.texts.iter_mut().zip(TEXT_COLUMNS) {
+            list.push(on_one_line((column.get)(row)));
+        }
+        self.seeds.push(row.seed);
+        for (list, (name, _)) in self.parameters.iter_mut().zip(&self.columns.parameters) {
+            list.push(parameter(row, name).cloned());
+        }
+        self.metrics.iter_mut().zip(&COLUMNS).for_each(|(list, column)| list.push(row.cell(column)));
+        for (list, name) in self.truths.iter_mut().zip(&self.columns.truths) {
+            list.push(truth_error(row, name));
+        }
+    }
+
+    fn frame(self) -> PolarsResult<DataFrame> {
+        let rows = self.rows();
+        let texts = TEXT_COLUMNS.iter().zip(self.texts).map(|(c, cells)| Series::new(c.name.into(), cells));
+        let seed = Series::new("seed".into(), self.seeds);
+        let parameters = self.columns.parameters.iter().zip(self.parameters);
+        let parameters = parameters.map(|((name, kind), values)| parameter_series(name, *kind, &values));
+        let metrics = COLUMNS.iter().zip(self.metrics).map(|(column, numbers)| numbers.series(column.name));
+        let truths = self.columns.truths.iter().zip(self.truths);
+        let truths = truths.map(|(name, errors)| Series::new(name.as_str().into(), errors));
         let all = texts.chain([seed]).chain(parameters).chain(metrics).chain(truths).map(Column::from).collect();
-        DataFrame::new(rows.len(), all)
+        DataFrame::new(rows, all)
     }
 }
 
@@ -158,34 +233,26 @@ pub(in crate::results) fn parameter<'a>(row: &'a SummaryRow, name: &str) -> Opti
     row.parameters.iter().find(|(n, _)| n == name).map(|(_, v)| v)
 }
 
-fn parameter_series(name: &str, kind: ParameterType, rows: &[SummaryRow]) -> Series {
-    let values = rows.iter().map(|r| parameter(r, name));
+fn parameter_series(name: &str, kind: ParameterType, values: &[Option<ParamValue>]) -> Series {
+    let values = values.iter().map(Option::as_ref);
     let whole = |v: &ParamValue| if let ParamValue::Integer(i) = v { Some(*i) } else { None };
     match kind {
         ParameterType::Whole => Series::new(name.into(), values.map(|v| v.and_then(whole)).collect::<Vec<_>>()),
         ParameterType::Real => {
             Series::new(name.into(), values.map(|v| v.and_then(ParamValue::number)).collect::<Vec<_>>())
         }
-        ParameterType::Text => text_series(name, values.map(|v| v.map(ToString::to_string))),
+        ParameterType::Text => {
+            let cells = values.map(|v| v.and_then(|v| on_one_line(&v.to_string())));
+            Series::new(name.into(), cells.collect::<Vec<_>>())
+        }
     }
 }
 
-/// Text on one line, so that each line of the CSV is a run for simple tools; empty text is an empty
-/// cell.
-fn text_series(name: &str, values: impl Iterator<Item = Option<String>>) -> Series {
-    let on_one_line = |text: String| text.lines().map(str::trim).collect::<Vec<_>>().join(" ");
-    let cells = values.map(|v| v.map(on_one_line).filter(|t| !t.is_empty()));
-    Series::new(name.into(), cells.collect::<Vec<Option<String>>>())
-}
-
-/// Counts stay whole numbers.
-fn metric_series(column: &crate::metrics::Column, rows: &[SummaryRow]) -> Series {
-    let cells = rows.iter().map(|row| row.cell(column));
-    if column.is_count {
-        let counts = cells.map(|cell| if let Measure::Count(n) = cell { Some(n) } else { None });
-        Series::new(column.name.into(), counts.collect::<Vec<Option<u64>>>())
-    } else {
-        let reals = cells.map(|cell| if let Measure::Real(x) = cell { Some(x) } else { None });
-        Series::new(column.name.into(), reals.collect::<Vec<Option<f64>>>())
-    }
+/// A cell of text on one line, so that each line of the CSV is a run for simple tools; empty text is
+/// an empty cell.
+fn on_one_line(text: &str) -> Option<String> {
+    let mut lines = text.lines().map(str::trim);
+    let first = lines.next()?;
+    let cell = lines.fold(first.to_owned(), |cell, line| cell + " " + line);
+    Some(cell).filter(|cell| !cell.is_empty())
 }
