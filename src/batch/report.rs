@@ -1,6 +1,7 @@
 //! Results of a batch.
 
 use std::path::PathBuf;
+use std::time::SystemTime;
 
 use crate::batch::Job;
 use crate::results::claims::{ClaimVerdict, Judgement};
@@ -13,6 +14,8 @@ use crate::sim::Outcome;
 pub struct Finished {
     /// Its files: `run.json`, and `log.mcap` and the folder `problems` if they exist.
     pub files: Vec<PathBuf>,
+    /// When `run.json` was written.
+    pub recorded: Option<SystemTime>,
     /// Additional notes.
     pub notes: Vec<String>,
     /// Its row of the summary.

@@ -4,6 +4,7 @@ use crate::files::{RecordError, durability, names};
 use std::fs::{File, TryLockError};
 use std::io::{BufWriter, ErrorKind, Read, Write};
 use std::path::Path;
+use std::time::SystemTime;
 use tempfile::{NamedTempFile, TempPath};
 
 /// Creates a temporary file in the folder of `path`, which is created if needed; it vanishes unless
@@ -76,6 +77,11 @@ pub(crate) fn publish(temporary: TempPath, path: &Path) -> Result<(), RecordErro
     durability::sync_path(&temporary).map_err(RecordError::io(path))?;
     temporary.persist(path).map_err(|e| RecordError::Io { path: path.to_owned(), source: e.error })?;
     durability::sync_folder_of(path).map_err(RecordError::io(path))
+}
+
+/// When a file was last written, if that is known.
+pub(crate) fn modified(path: &Path) -> Option<SystemTime> {
+    path.metadata().ok()?.modified().ok()
 }
 
 /// Writes a file through `fill` and publishes it. On error, an older file stays unchanged and no

@@ -18,7 +18,7 @@ pub(crate) mod png;
 mod record_error;
 
 pub use atomic::{OutputKind, check_replaceable, remove_partial};
-pub(crate) use atomic::{SESSION, if_present, is_abandoned, write_named};
+pub(crate) use atomic::{SESSION, if_present, is_abandoned, modified, write_named};
 pub use durability::make_durable;
 pub use key_levels::KeyLevels;
 pub(crate) use key_levels::run_folders;

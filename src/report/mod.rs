@@ -54,7 +54,7 @@ pub use history::ShownHistory;
 pub use rewrite::rewrite_results;
 
 use crate::files::names;
-use crate::files::{RecordError, atomic};
+use crate::files::{RecordError, atomic, modified};
 use crate::results::claims::ClaimVerdict;
 use crate::results::pareto::Work;
 use crate::results::searches::SearchResult;
@@ -137,7 +137,7 @@ pub fn write_report(
     pictured: &Pictured,
 ) -> Result<(), RecordError> {
     let mut statistics = RunStatistics::default();
-    runs.iter().for_each(|run| statistics.add(run.row, run.origin, run.file(names::RUN_RECORD)));
+    runs.iter().for_each(|run| statistics.add(run.row, run.origin, run.file(names::RUN_RECORD).and_then(modified)));
     write_report_of(path, results, (runs, &statistics), references, (pictured, ShownBatch::default()))
 }
 

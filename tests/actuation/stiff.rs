@@ -117,6 +117,31 @@ fn auto_becomes_implicit_where_friction_is_stiff_too() {
     assert!(auto < implicit + 100 && implicit < 100, "{auto} {implicit}");
 }
 
+/// HOAP-2 swings its arms as in `scenarios/studies/work-precision-servo.toml`, where steps of both methods have about
+/// the same size: those of the explicit one would be limited by stability as soon as it is resumed.
+#[test]
+fn auto_does_not_resume_explicit_steps_that_stability_would_limit() {
+    let steps = |method: &str| {
+        let text = format!(
+            "duration = 0.5
+            log.rate = 0
+            control = {{ rate = 100, interpolation = \"cubic\" }}
+            integrator.method = \"{method}\"
+            robot = {{ model = \"robots/hoap2/hoap2.urdf\", contact = \"soles\", joint_default = {{ kp = 50, kd = 1 }} }}
+            [[task]]
+            type = \"sine\"
+            ramp = 0.2
+            [task.joints]
+            left_shoulder_pitch = {{ amplitude = 0.2, frequency = 1.0 }}
+            right_shoulder_pitch = {{ amplitude = -0.2, frequency = 1.0 }}\n"
+        );
+        run(&text).steps
+    };
+    let (auto, implicit) = (steps("auto"), steps("rosenbrock"));
+    // It resumed them where they had a third of this size: 1.5 times as many.
+    assert!(10 * auto < 11 * implicit, "{auto} {implicit}");
+}
+
 #[test]
 fn auto_has_the_bits_of_the_explicit_method_where_nothing_is_stiff() {
     let end = |method| {

@@ -13,7 +13,7 @@ use crate::batch::dispatch::event::{Event, Work};
 use crate::batch::dispatch::finished_runs::Store;
 use crate::batch::run::run_timer::{self, Lap};
 use crate::batch::{Cancellation, Finished, Job, Listener, Options, Plan, Progress, Reason, Resumed};
-use crate::files::RecordError;
+use crate::files::{RecordError, modified};
 use crate::results::RunRecord;
 use crate::sim::{Outcome, RunError};
 use crate::text::plural::plural;
@@ -143,6 +143,7 @@ impl<'a> Dispatcher<'a> {
             record.notes.extend(self.notes.remove(index).into_iter().flatten());
             record.write(&path)?;
             if let Some(finished) = self.finished.get_mut(*index) {
+                finished.recorded = modified(&path);
                 finished.row.repeats = record.timing.repeats;
                 finished.notes = record.notes;
             }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::batch::{Finished, Job, Plan};
-use crate::files::RecordError;
+use crate::files::{RecordError, modified};
 use crate::results::{BoundedSample, Machine, PROGRAM, Rows, RunRecord, RunStatistics, SummaryColumns, SummaryRow};
 use crate::sim::Outcome;
 
@@ -90,7 +90,8 @@ impl Store {
         let path = job.folder(output).join(names::RUN_RECORD);
         let record = RunRecord::read(&path)?;
         let row = record.summary_row();
-        Ok(Finished { files: vec![path], notes: record.notes, accepted: !row.is_refused(), row, storage_full: false })
+        let (recorded, accepted) = (modified(&path), !row.is_refused());
+        Ok(Finished { files: vec![path], recorded, notes: record.notes, accepted, row, storage_full: false })
     }
 
     /// The runs in memory that a report shows, in the order of the plan.
@@ -128,9 +129,12 @@ impl AllRows<'_> {
         let machine = Machine::here();
         for index in self.store.positions() {
             let row = self.store.row(index, self.plan, self.output)?;
-            let record = self.plan.folder(index, self.output).join(names::RUN_RECORD);
+            let recorded = match self.store.in_memory(index) {
+                Some(finished) => finished.recorded,
+                None => modified(&self.plan.folder(index, self.output).join(names::RUN_RECORD)),
+            };
             columns.add(&row);
-            statistics.add(&row, Some((PROGRAM, &machine)), Some(&record));
+            statistics.add(&row, Some((PROGRAM, &machine)), recorded);
         }
         Ok((columns, statistics))
     }

@@ -12,7 +12,7 @@ use crate::batch::dispatch::finished_runs::Store;
 use crate::batch::dispatch::search_watch::SearchWatch;
 use crate::batch::resume::rerun_reason;
 use crate::batch::{Finished, Job, Options, Plan, Role};
-use crate::files::{RecordError, confined, remove_partial, run_folders};
+use crate::files::{RecordError, confined, modified, remove_partial, run_folders};
 use crate::log::MAX_PROBLEMS;
 use crate::results::{BUILD, ParamValue, RunRecord, SummaryRow, log_mismatch};
 use crate::sim::{Outcome, Problems};
@@ -206,9 +206,10 @@ fn state(job: &Job, plan: &Plan, options: &Options) -> State {
     {
         return State::Rerun("it was not compared: its reference did not end".into());
     }
-    let files = [path, log, problems].into_iter().filter(|file| file.exists()).collect();
     let other_build = record.timing.build.is_some_and(|build| build != BUILD);
-    let finished = Finished { files, notes: record.notes, accepted: !row.is_refused(), row, storage_full: false };
+    let (recorded, accepted) = (modified(&path), !row.is_refused());
+    let files = [path, log, problems].into_iter().filter(|file| file.exists()).collect();
+    let finished = Finished { files, recorded, notes: record.notes, accepted, row, storage_full: false };
     State::Done { finished: Box::new(finished), other_build }
 }
 

@@ -10,7 +10,7 @@ use crate::batch::run::plausibility::implausible;
 use crate::batch::run::run_end::RunEnd;
 use crate::batch::run::run_timer::Clock;
 use crate::batch::{Body, Cancellation, Finished, Job, Options, Reason, Role, RunOutputs, Track};
-use crate::files::{catch_panic, confined, names, remove_partial};
+use crate::files::{catch_panic, confined, modified, names, remove_partial};
 use crate::results::{LogFingerprint, PROGRAM, RUN_SCHEMA, ReferenceMotion, RunRecord, Timing, TruthError, metric};
 use crate::script::interruptible;
 use crate::sim::{Metrics, Outcome, Problems, RunError};
@@ -71,11 +71,19 @@ pub(in crate::batch) fn run(
     let path = folder.join(names::RUN_RECORD);
     let written = [outputs.log, outputs.problems.map(|p| p.0)].into_iter().flatten().filter(|file| file.exists());
     let finished = match confined.and_then(|()| record.write(&path)) {
-        Ok(()) => Finished { files: [path].into_iter().chain(written).collect(), notes, row, accepted, storage_full },
+        Ok(()) => Finished {
+            recorded: modified(&path),
+            files: [path].into_iter().chain(written).collect(),
+            notes,
+            row,
+            accepted,
+            storage_full,
+        },
         Err(error) => {
             storage_full |= error.is_storage_full();
             (record.outcome, record.message) = (Outcome::Error, error.to_string());
-            Finished { files: written.collect(), notes, row: record.summary_row(), accepted: false, storage_full }
+            let (files, row) = (written.collect(), record.summary_row());
+            Finished { files, recorded: None, notes, row, accepted: false, storage_full }
         }
     };
     (finished, trajectory)

@@ -3,7 +3,7 @@
 
 use super::records::{FoundRun, for_each_record};
 use super::run_order::{SortKey, summary_order};
-use crate::files::{RecordError, names};
+use crate::files::{RecordError, modified, names};
 use crate::results::{BoundedSample, Rows, RunRecord, RunStatistics, SummaryRow};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -129,7 +129,7 @@ impl Rows for ListedRows<'_> {
             let row = record.summary_row();
             visit(&row)?;
             if is_first {
-                statistics.add(&row, Some((&record.program, &record.timing.machine)), Some(&run.record));
+                statistics.add(&row, Some((&record.program, &record.timing.machine)), modified(&run.record));
                 let found = FoundRun::without_inputs(run.record.to_path_buf(), record);
                 match self.selected.contains(&position) {
                     true => _ = selected.insert(position, found),

@@ -1,6 +1,6 @@
 //! Writes the results of all shards into one folder.
 
-use crate::files::{RecordError, confined, if_present, names, remove_partial};
+use crate::files::{RecordError, confined, if_present, modified, names, remove_partial};
 use crate::results::claims::{ClaimVerdict, Tally, write_claims};
 use crate::results::discovery::FoundRun;
 use crate::results::merge::copy_run::copy_run;
@@ -88,7 +88,7 @@ impl Shards {
                 tally.add(*part, &row);
             }
             let origin = Some((record.program.as_str(), &record.timing.machine));
-            statistics.add(&row, origin, run.files.first().map(PathBuf::as_path));
+            statistics.add(&row, origin, run.files.first().and_then(|record| modified(record)));
             failed += usize::from(row.outcome == Outcome::Failed);
             unfinished += usize::from(row.is_refused() && row.outcome != Outcome::Failed);
             sample.insert(holder.run.at, run, row.is_refused());

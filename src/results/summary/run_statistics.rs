@@ -4,7 +4,6 @@ use crate::results::{Machine, SummaryRow};
 use crate::sim::Outcome;
 use crate::text::plural::plural;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 use std::time::SystemTime;
 
 /// Statistics of all runs added so far.
@@ -37,9 +36,9 @@ pub(crate) struct ScenarioStatistics {
 }
 
 impl RunStatistics {
-    /// Adds a run; `origin` is its program and machine, if they are known, and `record` the path of its
-    /// `run.json`, if it has one.
-    pub fn add(&mut self, row: &SummaryRow, origin: Option<(&str, &Machine)>, record: Option<&Path>) {
+    /// Adds a run; `origin` is its program and machine and `recorded` when its `run.json` was written, if
+    /// they are known.
+    pub fn add(&mut self, row: &SummaryRow, origin: Option<(&str, &Machine)>, recorded: Option<SystemTime>) {
         let position = *self.positions.entry(row.scenario.clone()).or_insert_with(|| {
             self.scenarios.push(ScenarioStatistics { scenario: row.scenario.clone(), ..Default::default() });
             self.scenarios.len() - 1
@@ -51,7 +50,7 @@ impl RunStatistics {
             }
             self.machines.insert(format!("{} {}, {}", machine.os, machine.arch, plural(machine.cpus, "processor")));
         }
-        if let Some(at) = record.and_then(|path| path.metadata().ok()?.modified().ok()) {
+        if let Some(at) = recorded {
             let (first, last) = self.recorded.unwrap_or((at, at));
             self.recorded = Some((first.min(at), last.max(at)));
         }

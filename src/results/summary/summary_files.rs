@@ -10,6 +10,7 @@ use polars::prelude::{Column, DataFrame, NamedFrom, PolarsResult, Series};
 use polars_io::SerWriter;
 use polars_io::csv::write::CsvWriter;
 use polars_io::parquet::write::ParquetWriter;
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 /// Rows in memory at a time.
@@ -210,7 +211,8 @@ impl<'a> Cells<'a> {
         let seed = Series::new("seed".into(), self.seeds);
         let parameters = self.columns.parameters.iter().zip(self.parameters);
         let parameters = parameters.map(|((name, kind), values)| parameter_series(name, *kind, &values));
-        let metrics = COLUMNS.iter().zip(self.metrics).map(|(column, numbers)| numbers.series(column.name));
+        let metrics = COLUMNS.par_iter().zip(self.metrics).map(|(column, numbers)| numbers.series(column.name));
+        let metrics: Vec<Series> = metrics.collect();
         let truths = self.columns.truths.iter().zip(self.truths);
         let truths = truths.map(|(name, errors)| Series::new(name.as_str().into(), errors));
         let all = texts.chain([seed]).chain(parameters).chain(metrics).chain(truths).map(Column::from).collect();

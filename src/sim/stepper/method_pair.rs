@@ -37,9 +37,9 @@ const FIRST: f64 = 1e-4;
 const LIMITED: f64 = 2.5;
 /// Number of such steps after which forces become implicit, less one for each six that are not.
 const STIFF_STEPS: u32 = 12;
-/// Product of a step and the rate of the implicit forces up to which explicit steps are taken. They are stable to 3.3. A
-/// step of the Rosenbrock method cost 1.3 of them with the 31 implicit forces of G1 when this was chosen, and 1 since.
-const EASY: f64 = 6.0;
+/// Product of a step and the rate of the implicit forces up to which explicit steps are taken: below [`LIMITED`], so that
+/// explicit steps of this size are not limited by stability. A step of the Rosenbrock method costs no more than one.
+const EASY: f64 = 2.0;
 /// The same on a compliant floor, whose springs are many and change: such steps cost three of them.
 const EASY_ON_SPRINGS: f64 = 10.0;
 /// The same where friction is stiff too: its steps cost as much without the forces.
