@@ -6,8 +6,8 @@
 //! ```
 //!
 //! [`prepare`] checks everything before anything runs. [`Batch::run`] runs the jobs. Worker threads
-//! simulate, write the files of their runs and append to `runs.jsonl`; the dispatcher alone prints and
-//! collects the rows in the order of the plan. It knows live clients by the trait
+//! simulate, write the files of their runs and append to `runs.jsonl`; the dispatcher alone prints
+//! and collects the rows in the order of the plan. It knows live clients by the trait
 //! [`LiveClients`] only.
 //!
 //! Imports: `search`, `text`, `geometry`, `files`, `robot`, `convert`, `terrain`, `contact`, `script`, `scenario`,

@@ -1,5 +1,6 @@
 //! Runs the jobs of a plan on worker threads, then writes summary and report.
 
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
@@ -15,17 +16,18 @@ use crate::batch::dispatch::workers::Workers;
 use crate::batch::resume::resumed;
 use crate::batch::{BatchError, Body, Finished, Listener, NoListener, Options, Plan, Progress, Report, Resumed};
 use crate::files::{RecordError, confined, if_present, names, remove_partial};
-use crate::report::{Pictured, ReportRun, ShownBatch, write_report_of};
+use crate::report::{Pictured, ReportRun, ShownBatch, publish_report, report_html};
 use crate::results::claims::{ClaimVerdict, write_claims};
 use crate::results::searches::{SearchResult, write_searches};
 use crate::results::{Machine, PROGRAM, RunStatistics, RunsLog, ShardHead};
 
-/// Calls `work` with the threads of a batch: what it does in parallel takes `jobs` threads, at least 1.
+/// Calls `work` in a pool of `jobs` threads, but of at least one and at most one per processor.
 ///
 /// # Errors
 /// The threads cannot be started.
 pub fn on_threads<T: Send>(jobs: usize, work: impl FnOnce() -> T + Send) -> Result<T, BatchError> {
-    Ok(rayon::ThreadPoolBuilder::new().num_threads(jobs.max(1)).build()?.install(work))
+    let processors = std::thread::available_parallelism().map_or(1, NonZero::get);
+    Ok(rayon::ThreadPoolBuilder::new().num_threads(jobs.clamp(1, processors)).build()?.install(work))
 }
 
 /// Interrupts a batch from anywhere, such as a signal handler. The first interruption starts no
@@ -183,15 +185,15 @@ impl Batch {
             let write = || {
                 rayon::join(
                     || columns.write(output, &rows),
-                    || write_page(output, runs, &references.shown(), (&verdicts, &found)),
+                    || page_of(output, runs, &references.shown(), (&verdicts, &found)),
                 )
             };
-            let (of_summary, of_page) = pool.install(write);
-            if of_summary.is_err() {
-                // It names the summary.
-                let _ = std::fs::remove_file(output.join(names::REPORT));
-            }
-            (summary, page) = (Some(of_summary?), Some(of_page?));
+            let (of_summary, html) = pool.install(write);
+            summary = Some(of_summary?);
+            // It names the summary.
+            let path = output.join(names::REPORT);
+            publish_report(&path, output, &html?)?;
+            page = Some(path);
         }
         let (unfinished, failed) = (store.unfinished, store.failed);
         let (finished, references) = (store.into_shown(), references.into_shown());
@@ -216,20 +218,19 @@ impl Batch {
     }
 }
 
-/// Writes `report.html`.
-fn write_page(
+/// The text of `report.html`.
+fn page_of(
     output: &Path,
     (finished, statistics): (Vec<&Finished>, &RunStatistics),
     references: &[&Finished],
     (claims, searches): (&[ClaimVerdict], &[SearchResult]),
-) -> Result<PathBuf, RecordError> {
-    let (page, machine) = (output.join(names::REPORT), Machine::here());
+) -> Result<String, RecordError> {
+    let machine = Machine::here();
     let runs = as_reported(&finished, &machine);
     let references = as_reported(references, &machine);
     let pending = &[names::SUMMARY_CSV, names::SUMMARY_PARQUET];
     let batch = ShownBatch { claims, searches, history: None, pending };
-    write_report_of(&page, output, (&runs, statistics), &references, (&Pictured::Few, batch))?;
-    Ok(page)
+    report_html(&output.join(names::REPORT), output, (&runs, statistics), &references, (&Pictured::Few, batch))
 }
 
 fn as_reported<'a>(finished: &[&'a Finished], machine: &'a Machine) -> Vec<ReportRun<'a>> {

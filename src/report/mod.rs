@@ -152,8 +152,29 @@ pub fn write_report_of(
     references: &[ReportRun],
     batch: (&Pictured, ShownBatch),
 ) -> Result<(), RecordError> {
+    publish_report(path, results, &report_html(path, results, (runs, statistics), references, batch)?)
+}
+
+/// The text that [`write_report_of`] writes to `path`.
+///
+/// # Errors
+/// A picture cannot be drawn.
+pub fn report_html(
+    path: &Path,
+    results: &Path,
+    (runs, statistics): (&[ReportRun], &RunStatistics),
+    references: &[ReportRun],
+    batch: (&Pictured, ShownBatch),
+) -> Result<String, RecordError> {
     let page = page(results, (runs, statistics), references, batch)?;
-    let html = render(&page).map_err(|source| RecordError::Report { path: path.to_owned(), source })?;
+    render(&page).map_err(|source| RecordError::Report { path: path.to_owned(), source })
+}
+
+/// Writes the text of a report.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn publish_report(path: &Path, results: &Path, html: &str) -> Result<(), RecordError> {
     let fill = |out: &mut BufWriter<File>| out.write_all(html.as_bytes()).map_err(RecordError::io(path));
     // A link in the folder of results is replaced, not followed.
     if path.parent() == Some(results) {

@@ -79,7 +79,7 @@ impl RunsLog {
         })
     }
 
-    /// The file of one thread at a time. A thread that panicked left whole lines or none.
+    /// Locks the file. A thread that panicked left whole lines.
     fn file(&self) -> MutexGuard<'_, File> {
         self.file.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -89,49 +89,43 @@ impl RunsLog {
     /// # Errors
     /// The file cannot be read or written.
     pub fn logged(&self) -> Result<LoggedRuns, RecordError> {
-        let (logged, damaged) = self.read_lines().map_err(RecordError::io(&self.path))?;
+        let mut file = self.file();
+        let (logged, damaged) = read_lines(&mut file).map_err(RecordError::io(&self.path))?;
         if damaged {
-            self.remove_damaged_lines()?;
+            // A file with the intact lines, which is locked before it has the name.
+            let (intact, temporary) = atomic::temporary(&self.path)?;
+            copy_intact_lines(&mut file, &intact).map_err(RecordError::io(&self.path))?;
+            atomic::publish(temporary, &self.path)?;
+            *file = intact;
         }
         Ok(logged)
     }
+}
 
-    /// The runs with an intact line, and whether other lines are damaged.
-    fn read_lines(&self) -> std::io::Result<(LoggedRuns, bool)> {
-        let mut file = self.file();
-        file.seek(SeekFrom::Start(0))?;
-        let (mut logged, mut damaged) = (LoggedRuns::default(), false);
-        for line in BufReader::new(&*file).split(b'\n') {
-            match logged_run(&line?) {
-                Some(run) => drop(logged.0.insert(run)),
-                None => damaged = true,
-            }
+/// The runs with an intact line, and whether other lines are damaged.
+fn read_lines(file: &mut File) -> std::io::Result<(LoggedRuns, bool)> {
+    file.seek(SeekFrom::Start(0))?;
+    let (mut logged, mut damaged) = (LoggedRuns::default(), false);
+    for line in BufReader::new(file).split(b'\n') {
+        match logged_run(&line?) {
+            Some(run) => drop(logged.0.insert(run)),
+            None => damaged = true,
         }
-        Ok((logged, damaged))
     }
+    Ok((logged, damaged))
+}
 
-    /// Replaces the file by one with its intact lines, which is locked before it has the name.
-    fn remove_damaged_lines(&self) -> Result<(), RecordError> {
-        let (intact, temporary) = atomic::temporary(&self.path)?;
-        self.copy_intact_lines(&intact).map_err(RecordError::io(&self.path))?;
-        atomic::publish(temporary, &self.path)?;
-        *self.file() = intact;
-        Ok(())
-    }
-
-    fn copy_intact_lines(&self, to: &File) -> std::io::Result<()> {
-        let mut file = self.file();
-        file.seek(SeekFrom::Start(0))?;
-        let mut out = BufWriter::new(to);
-        for line in BufReader::new(&*file).split(b'\n') {
-            let line = line?;
-            if logged_run(&line).is_some() {
-                out.write_all(&line)?;
-                out.write_all(b"\n")?;
-            }
+fn copy_intact_lines(from: &mut File, to: &File) -> std::io::Result<()> {
+    from.seek(SeekFrom::Start(0))?;
+    let mut out = BufWriter::new(to);
+    for line in BufReader::new(from).split(b'\n') {
+        let line = line?;
+        if logged_run(&line).is_some() {
+            out.write_all(&line)?;
+            out.write_all(b"\n")?;
         }
-        out.flush()
     }
+    out.flush()
 }
 
 /// Hashes of the runs with a line; there may be millions.

@@ -117,8 +117,8 @@ fn auto_becomes_implicit_where_friction_is_stiff_too() {
     assert!(auto < implicit + 100 && implicit < 100, "{auto} {implicit}");
 }
 
-/// HOAP-2 swings its arms as in `scenarios/studies/work-precision-servo.toml`, where steps of both methods have about
-/// the same size: those of the explicit one would be limited by stability as soon as it is resumed.
+/// HOAP-2 swings its arms as in `scenarios/studies/work-precision-servo.toml`. Steps of `rosenbrock` are
+/// little longer than stable explicit ones.
 #[test]
 fn auto_does_not_resume_explicit_steps_that_stability_would_limit() {
     let steps = |method: &str| {
@@ -138,7 +138,7 @@ fn auto_does_not_resume_explicit_steps_that_stability_would_limit() {
         run(&text).steps
     };
     let (auto, implicit) = (steps("auto"), steps("rosenbrock"));
-    // It resumed them where they had a third of this size: 1.5 times as many.
+    // Explicit steps of half this size would make them 1.5 times as many.
     assert!(10 * auto < 11 * implicit, "{auto} {implicit}");
 }
 

@@ -68,7 +68,8 @@ fn errors_contain_file_line_and_key() {
 #[test]
 fn work_on_the_threads_of_a_batch_has_as_many_as_its_jobs() {
     let threads = |jobs| on_threads(jobs, || rayon::broadcast(|_| std::thread::current().id()).len()).unwrap();
-    assert_eq!([0, 1, 3].map(threads), [1, 1, 3]);
+    let processors = std::thread::available_parallelism().unwrap().get();
+    assert_eq!([0, 1, 3].map(threads), [1, 1, processors.min(3)]);
 }
 
 #[test]

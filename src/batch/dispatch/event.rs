@@ -33,7 +33,7 @@ pub(in crate::batch) enum Event {
         /// Cancels the work.
         cancellation: Arc<Cancellation>,
     },
-    /// A run ended; its files and its line of `runs.jsonl` are written.
+    /// A run ended and its files are written; if it is no reference, its line of `runs.jsonl` too.
     Finished {
         /// The work.
         work: Work,

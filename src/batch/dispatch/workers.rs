@@ -16,7 +16,7 @@ use crate::batch::run::awaited_reference::AwaitedReference;
 use crate::batch::run::job_run;
 use crate::batch::{Body, Cancellation, Options, Plan, Reason};
 
-/// What the threads of a batch share.
+/// What the worker threads share.
 pub(in crate::batch) struct Workers<'a, 'p> {
     pub plan: &'a Plan,
     pub options: &'a Options,

@@ -36,8 +36,8 @@ pub(crate) struct ScenarioStatistics {
 }
 
 impl RunStatistics {
-    /// Adds a run; `origin` is its program and machine and `recorded` when its `run.json` was written, if
-    /// they are known.
+    /// Adds a run; `origin` is its program and machine and `recorded` when its `run.json` was written,
+    /// if they are known.
     pub fn add(&mut self, row: &SummaryRow, origin: Option<(&str, &Machine)>, recorded: Option<SystemTime>) {
         let position = *self.positions.entry(row.scenario.clone()).or_insert_with(|| {
             self.scenarios.push(ScenarioStatistics { scenario: row.scenario.clone(), ..Default::default() });

@@ -100,7 +100,8 @@ impl SummaryColumns {
         }
     }
 
-    /// Writes the summary of rows whose columns were added, with the threads of the present pool.
+    /// Writes the summary of rows whose columns were added. In a pool of one thread no other one takes
+    /// part; else polars takes those of all processors.
     ///
     /// # Errors
     /// See [`write_summary_of`].
@@ -141,7 +142,8 @@ impl SummaryColumns {
     }
 }
 
-/// A part of the summary: identity and `seed`; swept parameters; metrics; distances from known truths.
+/// A part of the summary: identity and `seed`; swept parameters; metrics; distances from known
+/// truths.
 struct Cells<'a> {
     columns: &'a SummaryColumns,
     texts: Vec<Vec<Option<String>>>,
@@ -250,8 +252,8 @@ fn parameter_series(name: &str, kind: ParameterType, values: &[Option<ParamValue
     }
 }
 
-/// A cell of text on one line, so that each line of the CSV is a run for simple tools; empty text is
-/// an empty cell.
+/// A cell of text on one line, so that each line of the CSV is a run for simple tools; empty text
+/// is an empty cell.
 fn on_one_line(text: &str) -> Option<String> {
     let mut lines = text.lines().map(str::trim);
     let first = lines.next()?;

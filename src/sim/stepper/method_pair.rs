@@ -37,8 +37,9 @@ const FIRST: f64 = 1e-4;
 const LIMITED: f64 = 2.5;
 /// Number of such steps after which forces become implicit, less one for each six that are not.
 const STIFF_STEPS: u32 = 12;
-/// Product of a step and the rate of the implicit forces up to which explicit steps are taken: below [`LIMITED`], so that
-/// explicit steps of this size are not limited by stability. A step of the Rosenbrock method costs no more than one.
+/// Product of a step and the rate of the implicit forces below which explicit steps resume. It is below
+/// [`LIMITED`], so that stability does not limit them; a step of the Rosenbrock method costs no more than one
+/// of them.
 const EASY: f64 = 2.0;
 /// The same on a compliant floor, whose springs are many and change: such steps cost three of them.
 const EASY_ON_SPRINGS: f64 = 10.0;
@@ -87,7 +88,7 @@ struct Implicit {
     choice: ImplicitSteps,
     /// Whether they are implicit in the next step.
     are_implicit: bool,
-    /// Product of a step and their rate up to which explicit steps cost less.
+    /// Product of a step and their rate below which explicit steps resume.
     easy: f64,
     /// Steps that count towards the next change.
     count: u32,
