@@ -189,7 +189,7 @@ impl<'a> Dispatcher<'a> {
             self.failure.get_or_insert(error);
         }
         if finished.storage_full {
-            // So has it here.
+            // Its thread has closed the gate here too.
             self.failure.get_or_insert(RecordError::StorageFull { what: finished.row.message.clone() });
         } else if finished.row.outcome == Outcome::Error
             && let Err(source) = writable(&self.options.output)
