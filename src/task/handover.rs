@@ -8,9 +8,11 @@
 //!   velocities decay to those of the base layer within [`RELEASE_TIME`] seconds. On other joints
 //!   the effort of the base layer applies at once.
 //! - **Positions**: if a task that ends releases a joint to an earlier task that is still running,
-//!   their difference decays within [`RELEASE_TIME`] seconds on top of the commanded position.
+//!   their difference decays within [`RELEASE_TIME`] seconds on top of the commanded position. A joint
+//!   that no other task moves holds its last position: its commanded velocity becomes zero, except in
+//!   mode `velocity`.
 //!
-//! Both decay along the quintic of [`super::blend_in`].
+//! Both differences decay along the quintic of [`super::blend_in`].
 
 use super::Command;
 use super::has_elapsed;
@@ -49,6 +51,20 @@ impl TemporaryEfforts {
     /// For a robot with `joints` joints.
     pub fn new(joints: usize) -> Self {
         TemporaryEfforts { efforts: vec![None; joints] }
+    }
+}
+
+/// Positions and velocities that one task has commanded when it was last called.
+#[derive(Clone, Debug)]
+pub struct LastCommand {
+    /// By joint; none where it has left those of other tasks.
+    joints: Vec<Option<(f64, f64)>>,
+}
+
+impl LastCommand {
+    /// For a robot with `joints` joints.
+    pub fn new(joints: usize) -> Self {
+        LastCommand { joints: vec![None; joints] }
     }
 }
 
@@ -121,22 +137,42 @@ impl Handover {
         self.before.copy_from(command);
     }
 
-    /// Processes the command after a task was called. A temporary task passes its `temporary`
-    /// efforts; `ended` when it is done.
-    pub fn after(&mut self, temporary: Option<&mut TemporaryEfforts>, ended: bool, time: f64, command: &mut Command) {
+    /// Processes the command after a task was called, or has ended without a call. A temporary task passes its
+    /// `temporary` efforts; `ended` when it is done.
+    pub fn after(
+        &mut self,
+        temporary: Option<&mut TemporaryEfforts>,
+        last: &mut LastCommand,
+        ended: bool,
+        time: f64,
+        command: &mut Command,
+    ) {
         match temporary {
             None => self.store(command),
             Some(temporary) => self.store_temporary(temporary, ended, time, command),
         }
-        for j in 0..self.mode.len() {
+        self.note(last, ended, command);
+        for (j, last) in last.joints.iter().enumerate() {
             let before = (self.before.position[j], self.before.velocity[j]);
-            let now = (command.position[j], command.velocity[j]);
-            if now == before {
-                continue;
+            let Some(of_task) = *last else { continue };
+            self.released[j] = None;
+            if ended && self.moved[j] {
+                let offset = TrajectoryPoint { q: of_task.0 - before.0, v: of_task.1 - before.1, a: 0.0 };
+                self.released[j] = Some(ReleasedJoint { underlying: before, offset });
+            } else if ended && self.mode[j] != DriveMode::Velocity {
+                command.velocity[j] = 0.0;
             }
-            let offset = TrajectoryPoint { q: now.0 - before.0, v: now.1 - before.1, a: 0.0 };
-            self.released[j] = (ended && self.moved[j]).then_some(ReleasedJoint { underlying: before, offset });
-            self.moved[j] = true;
+            self.moved[j] |= !ended;
+        }
+    }
+
+    /// Sets `last` to what a task has commanded. Of a task that has `ended`, joints that it has not commanded this time
+    /// keep what they have.
+    pub fn note(&self, last: &mut LastCommand, ended: bool, command: &Command) {
+        for (j, last) in last.joints.iter_mut().enumerate() {
+            let now = (command.position[j], command.velocity[j]);
+            let set = now != (self.before.position[j], self.before.velocity[j]);
+            *last = if set { Some(now) } else { last.filter(|_| ended) };
         }
     }
 

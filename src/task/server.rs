@@ -1,6 +1,6 @@
 //! The task server: starts, runs, changes and ends the tasks of a scenario.
 
-use super::handover::{Handover, TemporaryEfforts};
+use super::handover::{Handover, LastCommand, TemporaryEfforts};
 use super::{
     AugmentedData, Command, Context, Foresight, Needs, SensorReadings, Status, Task, TaskError, TaskFailure, TaskMemory,
 };
@@ -19,6 +19,7 @@ struct TaskSlot {
     /// Number of parameter changes applied so far.
     changed: usize,
     temporary: TemporaryEfforts,
+    last: LastCommand,
 }
 
 /// The tasks of one run and the command they produce.
@@ -113,6 +114,7 @@ impl TaskServer {
             end_requested: false,
             changed: 0,
             temporary,
+            last: LastCommand::new(self.command.mode.len()),
         });
     }
 
@@ -177,7 +179,11 @@ impl TaskServer {
         let number = (time * self.rate).round() as u64;
         if number > self.following {
             let last = (number - 1) as f64 / self.rate;
-            self.slots.iter_mut().filter(|s| s.is_running()).for_each(|s| s.task.command_at(last, &mut self.command));
+            for slot in self.slots.iter_mut().filter(|s| s.is_running()) {
+                self.handover.before(&self.command);
+                slot.task.command_at(last, &mut self.command);
+                self.handover.note(&mut slot.last, false, &self.command);
+            }
         }
     }
 
@@ -274,7 +280,7 @@ impl TaskServer {
             let ended = slot.call(&context, &mut self.command, soon, &mut report);
             slot.ended = ended.map_err(|error| TaskFailure { task: slot.task.name().to_owned(), error })?;
             let temporary = slot.task.is_temporary().then_some(&mut slot.temporary);
-            self.handover.after(temporary, slot.ended, time, &mut self.command);
+            self.handover.after(temporary, &mut slot.last, slot.ended, time, &mut self.command);
             if slot.ended {
                 report("ends", slot.task.name());
             }
@@ -303,6 +309,7 @@ struct SlotProgress {
     end_requested: bool,
     changed: usize,
     temporary: TemporaryEfforts,
+    last: LastCommand,
 }
 
 impl TaskServer {
@@ -335,7 +342,7 @@ impl TaskServer {
         (self.tick, self.following, self.remote_next) = (progress.tick, progress.following, progress.remote_next);
         for (slot, then) in self.slots.iter_mut().zip(&progress.slots) {
             (slot.begun, slot.ended, slot.end_requested) = (then.begun, then.ended, then.end_requested);
-            (slot.changed, slot.temporary) = (then.changed, then.temporary.clone());
+            (slot.changed, slot.temporary, slot.last) = (then.changed, then.temporary.clone(), then.last.clone());
             if let Some(memory) = &then.memory {
                 slot.task.restore(memory);
             }
@@ -357,6 +364,7 @@ impl TaskSlot {
             end_requested: self.end_requested,
             changed: self.changed,
             temporary: self.temporary.clone(),
+            last: self.last.clone(),
         }
     }
 

@@ -18,6 +18,17 @@ type Commands = Vec<(f64, Command)>;
 /// Joint commands at ticks up to `end` seconds, and the ends of the tasks. The robot stays in its
 /// initial state.
 fn ticks(folder: &Folder, text: &str, end: f64) -> (Commands, Vec<(String, f64)>) {
+    ticks_with_request(folder, text, end, f64::INFINITY, 0)
+}
+
+/// The same; from the time `request` on, s, the end of task number `task` is requested.
+fn ticks_with_request(
+    folder: &Folder,
+    text: &str,
+    end: f64,
+    request: f64,
+    task: usize,
+) -> (Commands, Vec<(String, f64)>) {
     let run = folder.run(text).unwrap_or_else(|e| panic!("{e}"));
     let mut setup = assemble::setup(&run, &robot_of(&run)).unwrap_or_else(|e| panic!("{e}"));
     let mut state = State::home(&setup.model);
@@ -27,6 +38,9 @@ fn ticks(folder: &Folder, text: &str, end: f64) -> (Commands, Vec<(String, f64)>
     let (mut commands, mut ended) = (Vec::new(), Vec::new());
     while let Some(time) = setup.tasks.next_tick().filter(|t| *t <= end + 1e-9) {
         state.time = time;
+        if time > request - 1e-9 {
+            setup.tasks.end(task);
+        }
         let now = TickInput {
             model: &setup.model,
             gravity: setup.gravity,
@@ -120,6 +134,43 @@ fn an_earlier_task_resumes_a_joint_without_a_jump() {
     let (time, last) = commands.last().unwrap();
     assert!((last.position[1] - 6.0).abs() < 1e-12 && last.velocity[1] == 0.0, "{time} {last:?}");
     assert!((time - 1.2).abs() < 1e-9, "{time}");
+}
+
+const SINE: &str = "[[task]]\ntype = \"sine\"\nramp = 0\n";
+
+#[test]
+fn a_joint_rests_where_a_task_is_ended() {
+    let sine = |file: &str| format!("{file}{SINE}joints = {{ elbow = {{ amplitude = 0.5, frequency = 1 }} }}\n");
+    let (commands, ended) = ticks_with_request(&Folder::with(&[]), &sine(PENDULUM), 2.0, 0.3, 0);
+    assert_eq!(ended, [("sine".to_owned(), 0.3)]);
+    let [.., (_, moving), (_, held)] = &commands[..] else { panic!("two ticks") };
+    assert!(moving.velocity[1] < -0.9, "{moving:?}");
+    assert_eq!((held.position[1], held.velocity[1]), (moving.position[1], 0.0));
+
+    // Nothing holds a position in mode `velocity`: a wheel turns on.
+    let wheel = PENDULUM.replace("posture =", "joint.elbow = { mode = \"velocity\", kd = 5 }, posture =");
+    let (commands, _) = ticks_with_request(&Folder::with(&[]), &sine(&wheel), 2.0, 0.3, 0);
+    let [.., (_, moving), (_, held)] = &commands[..] else { panic!("two ticks") };
+    assert_eq!(moving.velocity[1], held.velocity[1]);
+}
+
+#[test]
+fn an_earlier_task_resumes_a_joint_without_a_jump_when_the_later_one_is_ended() {
+    let below = format!("{SINE}joints = {{ elbow = {{ amplitude = 0.5, frequency = 0.5 }} }}\n");
+    let above = "[[task]]\ntype = \"posture\"\nduration = 5\njoints = { elbow = 3 }\n";
+    let text = format!("{PENDULUM}{below}{above}");
+    let (commands, ended) = ticks_with_request(&Folder::with(&[]), &text, 4.0, 2.2, 1);
+    assert!((ended[0].1 - 2.2).abs() < 1e-9 && ended[0].0 == "posture", "{ended:?}");
+    // Speeds: 1.6 rad/s of the sine, and 15/8 of less than 2 rad in 0.5 s; 1 ms between ticks.
+    let steps = commands.windows(2).map(|w| (w[1].1.position[1] - w[0].1.position[1]).abs());
+    assert!(steps.clone().fold(0.0, f64::max) < 1e-2, "{}", steps.fold(0.0, f64::max));
+    let at = |time: f64| &commands.iter().find(|(t, _)| (t - time).abs() < 1e-9).expect("a tick").1;
+    // Half a second later the sine alone commands the joint, from its initial angle.
+    let (sine, slope) = (std::f64::consts::PI * 3.0).sin_cos();
+    let found = at(3.0);
+    assert!((found.position[1] - (-0.2 + 0.5 * sine)).abs() < 1e-12, "{found:?}");
+    assert!((found.velocity[1] - 0.5 * std::f64::consts::PI * slope).abs() < 1e-12, "{found:?}");
+    assert!((at(2.2).position[1] - at(2.199).position[1]).abs() < 5e-3, "{:?}", (at(2.199), at(2.2)));
 }
 
 #[test]
