@@ -18,9 +18,12 @@ use crate::text::source::Span;
 use crate::text::suggest;
 use crate::text::toml_tree::{Entry, Node, Value};
 
-/// Why a value cannot be read.
+/// Why a value cannot be read. A pointer: the code of every type that is read returns it.
 #[derive(Debug)]
-pub struct DecodeError {
+pub struct DecodeError(Box<Problem>);
+
+#[derive(Debug)]
+struct Problem {
     span: Option<Span>,
     path: Vec<String>,
     /// What is wrong, as a predicate of the path.
@@ -33,17 +36,18 @@ pub struct DecodeError {
 impl DecodeError {
     /// The error with `span`, unless it has one already.
     pub fn at(mut self, span: &Span) -> Self {
-        self.span.get_or_insert_with(|| span.clone());
+        self.0.span.get_or_insert_with(|| span.clone());
         self
     }
 
     fn below(mut self, key: &str) -> Self {
-        self.path.insert(0, key.to_owned());
+        self.0.path.insert(0, key.to_owned());
         self
     }
 
     fn predicate(message: impl Into<String>, help: Option<String>) -> Self {
-        DecodeError { span: None, path: Vec::new(), message: message.into(), help, names_subject: false }
+        let (span, path, message) = (None, Vec::new(), message.into());
+        DecodeError(Box::new(Problem { span, path, message, help, names_subject: false }))
     }
 
     /// Reports the error; its path is relative to `prefix`.
@@ -58,20 +62,21 @@ impl DecodeError {
     pub fn report_in(self, document: &str, findings: &mut Findings) {
         // A key with a dot in it, such as a swept path, stays one key.
         let quoted = |key: &String| if key.contains('.') { format!("{key:?}") } else { key.clone() };
-        let path = self.path.iter().map(quoted).collect::<Vec<_>>().join(".");
-        let message = match (self.names_subject, path.is_empty()) {
-            (true, true) => self.message,
-            (true, false) => format!("{} in `{path}`", self.message),
-            (false, true) => format!("{document} {}", self.message),
-            (false, false) => format!("`{path}` {}", self.message),
+        let Problem { span, path, message, help, names_subject } = *self.0;
+        let path = path.iter().map(quoted).collect::<Vec<_>>().join(".");
+        let message = match (names_subject, path.is_empty()) {
+            (true, true) => message,
+            (true, false) => format!("{message} in `{path}`"),
+            (false, true) => format!("{document} {message}"),
+            (false, false) => format!("`{path}` {message}"),
         };
-        findings.error(self.span.unwrap_or(0..0), message, self.help);
+        findings.error(span.unwrap_or(0..0), message, help);
     }
 }
 
 impl fmt::Display for DecodeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
+        f.write_str(&self.0.message)
     }
 }
 
@@ -119,7 +124,9 @@ impl de::Error for DecodeError {
 
     fn unknown_field(found: &str, known: &'static [&'static str]) -> Self {
         let help = suggest::help(found, known.iter().copied());
-        DecodeError { names_subject: true, ..Self::predicate(format!("unknown key `{found}`"), Some(help)) }
+        let mut error = Self::predicate(format!("unknown key `{found}`"), Some(help));
+        error.0.names_subject = true;
+        error
     }
 
     fn missing_field(field: &'static str) -> Self {
@@ -173,6 +180,19 @@ fn describe(found: &Unexpected<'_>) -> String {
     }
 }
 
+// What follows is compiled once for each type that is read; what need not be is a function without type parameters.
+
+/// The error of a date, which serde does not have, where a reader expects something else.
+fn unexpected_date(time: &str, expected: &dyn Expected) -> DecodeError {
+    de::Error::invalid_type(Unexpected::Other(&format!("the date or time {time}")), expected)
+}
+
+/// The error of an enum that is not written as a string.
+fn not_a_name(found: &Value, known: &[&str]) -> DecodeError {
+    let known: Vec<_> = known.iter().map(|k| format!("\"{k}\"")).collect();
+    DecodeError::predicate(format!("must be {}, not {found}", known.join(" or ")), None)
+}
+
 /// Reads one node.
 #[derive(Clone, Copy)]
 pub struct NodeDeserializer<'a>(pub &'a Node);
@@ -184,10 +204,8 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
         match &self.0.value {
             Value::String(text) => visitor.visit_borrowed_str(text),
             Value::Datetime(time) => {
-                // serde has no dates. The error is created first, since reading consumes the
-                // visitor.
-                let found = format!("the date or time {time}");
-                let error = de::Error::invalid_type(Unexpected::Other(&found), &visitor);
+                // The error is created first, since reading consumes the visitor.
+                let error = unexpected_date(time, &visitor);
                 visitor.visit_borrowed_str(time).map_err(|_: DecodeError| error)
             }
             Value::Integer(number) => visitor.visit_i64(*number),
@@ -195,17 +213,11 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
             Value::Boolean(yes) => visitor.visit_bool(*yes),
             Value::Array(items) => {
                 let mut access = Items { items, next: 0 };
-                visitor.visit_seq(&mut access).and_then(|value| {
+                match visitor.visit_seq(&mut access) {
                     // Fixed-size arrays stop reading when they are full.
-                    if access.next == items.len() {
-                        return Ok(value);
-                    }
-                    let (length, expected) = (items.len(), access.next);
-                    Err(DecodeError::predicate(
-                        format!("must be an array of length {expected}, not of length {length}"),
-                        None,
-                    ))
-                })
+                    Ok(_) if access.next < items.len() => Err(access.unread()),
+                    result => result,
+                }
             }
             Value::Table(entries) => visitor.visit_map(Entries { entries, next: 0 }),
         }
@@ -241,10 +253,7 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
     ) -> Result<V::Value, DecodeError> {
         match &self.0.value {
             Value::String(text) => visitor.visit_enum(Name(text)),
-            other => {
-                let known: Vec<_> = known.iter().map(|k| format!("\"{k}\"")).collect();
-                Err(DecodeError::predicate(format!("must be {}, not {other}", known.join(" or ")), None))
-            }
+            other => Err(not_a_name(other, known)),
         }
         .map_err(|e| e.at(&self.0.span))
     }
@@ -260,14 +269,35 @@ struct Items<'a> {
     next: usize,
 }
 
+impl<'a> Items<'a> {
+    fn read(&mut self) -> Option<&'a Node> {
+        let item = self.items.get(self.next)?;
+        self.next += 1;
+        Some(item)
+    }
+
+    /// `error` of the item that was read last.
+    fn locate(&self, error: DecodeError) -> DecodeError {
+        let index = self.next - 1;
+        error.at(&self.items[index].span).below(&index.to_string())
+    }
+
+    /// The error of an array longer than its reader.
+    fn unread(&self) -> DecodeError {
+        let (length, expected) = (self.items.len(), self.next);
+        DecodeError::predicate(format!("must be an array of length {expected}, not of length {length}"), None)
+    }
+}
+
 impl<'de> SeqAccess<'de> for &mut Items<'de> {
     type Error = DecodeError;
 
     fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, DecodeError> {
-        let Some(item) = self.items.get(self.next) else { return Ok(None) };
-        let index = self.next.to_string();
-        self.next += 1;
-        seed.deserialize(NodeDeserializer(item)).map(Some).map_err(|e| e.at(&item.span).below(&index))
+        let Some(item) = self.read() else { return Ok(None) };
+        match seed.deserialize(NodeDeserializer(item)) {
+            Ok(value) => Ok(Some(value)),
+            Err(error) => Err(self.locate(error)),
+        }
     }
 }
 
@@ -276,19 +306,39 @@ struct Entries<'a> {
     next: usize,
 }
 
+impl<'a> Entries<'a> {
+    fn read(&mut self) -> Option<&'a Entry> {
+        let entry = self.entries.get(self.next)?;
+        self.next += 1;
+        Some(entry)
+    }
+
+    /// The entry whose key was read last.
+    fn current(&self) -> &'a Entry {
+        &self.entries[self.next - 1]
+    }
+
+    /// `error` of the current value.
+    fn locate(&self, error: DecodeError) -> DecodeError {
+        let entry = self.current();
+        error.at(&entry.node.span).below(&entry.key)
+    }
+}
+
 impl<'de> MapAccess<'de> for Entries<'de> {
     type Error = DecodeError;
 
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, DecodeError> {
-        let Some(entry) = self.entries.get(self.next) else { return Ok(None) };
-        self.next += 1;
+        let Some(entry) = self.read() else { return Ok(None) };
         let key: de::value::StrDeserializer<'_, DecodeError> = entry.key.as_str().into_deserializer();
         seed.deserialize(key).map(Some).map_err(|e| e.at(&entry.key_span))
     }
 
     fn next_value_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, DecodeError> {
-        let entry = &self.entries[self.next - 1];
-        seed.deserialize(NodeDeserializer(&entry.node)).map_err(|e| e.at(&entry.node.span).below(&entry.key))
+        match seed.deserialize(NodeDeserializer(&self.current().node)) {
+            Ok(value) => Ok(value),
+            Err(error) => Err(self.locate(error)),
+        }
     }
 }
 
