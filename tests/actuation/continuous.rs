@@ -180,7 +180,7 @@ fn an_event_ends_a_task_at_its_tick() {
     let tasks = "[[task]]\ntype = \"sine\"\nramp = 0.0\njoints.axle = { amplitude = 0.5, frequency = 1.25 }
         [[event]]\nat = 1.0305\nend_tasks = [0]";
     let mut ends = Vec::new();
-    for interpolation in ["cubic", "continuous"] {
+    for interpolation in ["hold", "cubic", "continuous"] {
         let (_, seen) = ended(&text(5.0, TIGHT, interpolation, tasks));
         let end = seen.events.iter().find(|e| e.message == "task sine ends").expect("an event").time;
         assert_eq!(end, 1.031, "{interpolation}");
