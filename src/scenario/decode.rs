@@ -18,7 +18,7 @@ use crate::text::source::Span;
 use crate::text::suggest;
 use crate::text::toml_tree::{Entry, Node, Value};
 
-/// Why a value cannot be read. A pointer: the code of every type that is read returns it.
+/// Why a value cannot be read. Boxed, to keep results small in the code generated for each type.
 #[derive(Debug)]
 pub struct DecodeError(Box<Problem>);
 
@@ -180,8 +180,6 @@ fn describe(found: &Unexpected<'_>) -> String {
     }
 }
 
-// What follows is compiled once for each type that is read; what need not be is a function without type parameters.
-
 /// The error of a date, which serde does not have, where a reader expects something else.
 fn unexpected_date(time: &str, expected: &dyn Expected) -> DecodeError {
     de::Error::invalid_type(Unexpected::Other(&format!("the date or time {time}")), expected)
@@ -193,7 +191,8 @@ fn not_a_name(found: &Value, known: &[&str]) -> DecodeError {
     DecodeError::predicate(format!("must be {}, not {found}", known.join(" or ")), None)
 }
 
-/// Reads one node.
+/// Reads one node. Its methods and those of [`Items`] and [`Entries`] are compiled for each type that is read, so what
+/// does not depend on the type is a function of its own.
 #[derive(Clone, Copy)]
 pub struct NodeDeserializer<'a>(pub &'a Node);
 

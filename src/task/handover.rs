@@ -54,10 +54,10 @@ impl TemporaryEfforts {
     }
 }
 
-/// Positions and velocities that one task has commanded when it was last called.
+/// Positions and velocities that one task has commanded.
 #[derive(Clone, Debug)]
 pub struct LastCommand {
-    /// By joint; none where it has left those of other tasks.
+    /// By joint; none where the command is that of another task.
     joints: Vec<Option<(f64, f64)>>,
 }
 
@@ -153,26 +153,31 @@ impl Handover {
         }
         self.note(last, ended, command);
         for (j, last) in last.joints.iter().enumerate() {
-            let before = (self.before.position[j], self.before.velocity[j]);
             let Some(of_task) = *last else { continue };
-            self.released[j] = None;
+            let before = (self.before.position[j], self.before.velocity[j]);
             if ended && self.moved[j] {
-                let offset = TrajectoryPoint { q: of_task.0 - before.0, v: of_task.1 - before.1, a: 0.0 };
-                self.released[j] = Some(ReleasedJoint { underlying: before, offset });
-            } else if ended && self.mode[j] != DriveMode::Velocity {
-                command.velocity[j] = 0.0;
+                // Another task that has ended in this tick is not what the joint returns to.
+                let underlying = self.released[j].map_or(before, |released| released.underlying);
+                let offset = TrajectoryPoint { q: of_task.0 - underlying.0, v: of_task.1 - underlying.1, a: 0.0 };
+                self.released[j] = Some(ReleasedJoint { underlying, offset });
+                continue;
             }
+            self.released[j] = None;
             self.moved[j] |= !ended;
+            if ended {
+                let turns = self.mode[j] == DriveMode::Velocity;
+                (command.position[j], command.velocity[j]) = (of_task.0, if turns { of_task.1 } else { 0.0 });
+            }
         }
     }
 
     /// Sets `last` to what a task has commanded. Of a task that has `ended`, joints that it has not commanded this time
-    /// keep what they have.
+    /// keep what they have, and so does a joint that still has the same command.
     pub fn note(&self, last: &mut LastCommand, ended: bool, command: &Command) {
         for (j, last) in last.joints.iter_mut().enumerate() {
             let now = (command.position[j], command.velocity[j]);
             let set = now != (self.before.position[j], self.before.velocity[j]);
-            *last = if set { Some(now) } else { last.filter(|_| ended) };
+            *last = if set { Some(now) } else { last.filter(|last| ended || *last == now) };
         }
     }
 

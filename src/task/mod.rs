@@ -146,6 +146,9 @@ pub trait Task: Any + Send {
     /// Returns to what it remembered when it was saved.
     fn restore(&mut self, _saved: &TaskMemory) {}
 
+    /// Called instead of [`run`](Self::run) where an event ends it. Joints whose commands it leaves hold the last ones.
+    fn end(&mut self, _context: &Context, _command: &mut Command) {}
+
     /// How far ahead its commands are known after a call at `now`, s.
     fn foresight(&self, _now: f64) -> Foresight {
         Foresight::NONE

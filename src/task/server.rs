@@ -377,6 +377,9 @@ impl TaskSlot {
         report: &mut impl FnMut(&str, &str),
     ) -> Result<bool, TaskError> {
         if self.end_requested {
+            if self.begun {
+                self.task.end(context, command);
+            }
             return Ok(true);
         }
         if !self.begun {

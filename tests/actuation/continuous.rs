@@ -198,8 +198,8 @@ fn a_task_that_an_event_ends_hands_its_joint_over_as_with_cubic_paths() {
     };
     let tasks = format!("{}{}[[event]]\nat = 1.0305\nend_tasks = [1]", sine(0.5, 0.5), sine(0.3, 1.25));
     let [cubic, found] = ["cubic", "continuous"].map(|interpolation| ended(&text(2.0, TIGHT, interpolation, &tasks)).1);
-    // Where the joint is handed over, commands are a third of a radian apart. Cubics through the last two commands miss its
-    // acceleration, some 100 rad/s^2 at the first tick: 100 * 1e-6 / 2, of which the servo follows a tenth.
+    // The joint is handed over where its commands are a third of a radian apart. Cubics extrapolate the last two
+    // commands and miss the acceleration of one tick, below 20 rad/s^2: 20 * 1e-6 / 2, of which the servo follows a tenth.
     assert!(distance(&found, &cubic) < 1e-5, "{}", distance(&found, &cubic));
 }
 

@@ -306,13 +306,17 @@ impl Task for ForceBalance {
         Ok(Status::Running)
     }
 
+    /// Servos hold the present posture; the server restores modes and efforts.
+    fn end(&mut self, context: &Context, command: &mut Command) {
+        for &JointId(j) in &self.joints {
+            command.position[j] = context.q()[j];
+            command.velocity[j] = 0.0;
+        }
+    }
+
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         if has_elapsed(context.time - self.start, self.settings.duration) {
-            // Servos hold the present posture; the server restores modes and efforts.
-            for &JointId(j) in &self.joints {
-                command.position[j] = context.q()[j];
-                command.velocity[j] = 0.0;
-            }
+            self.end(context, command);
             return Ok(Status::Done);
         }
         self.update_stance(context);
