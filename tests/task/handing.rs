@@ -59,6 +59,17 @@ fn ticks_with_request(
     (commands, ended)
 }
 
+/// Position and velocity of the elbow of `PENDULUM` at a tick.
+fn elbow_at(commands: &[(f64, Command)], time: f64) -> (f64, f64) {
+    let tick = commands.iter().find(|(t, _)| (t - time).abs() < 1e-9).expect("a tick");
+    (tick.1.position[1], tick.1.velocity[1])
+}
+
+/// Greatest change of the elbow's position from a tick to the next.
+fn greatest_step(commands: &[(f64, Command)]) -> f64 {
+    commands.windows(2).map(|w| (w[1].1.position[1] - w[0].1.position[1]).abs()).fold(0.0, f64::max)
+}
+
 fn force(kind: &str, start: f64, duration: f64) -> String {
     let control = if kind == "balance" { "control = \"force\"\n" } else { "" };
     format!("[[task]]\ntype = \"{kind}\"\n{control}start = {start}\nduration = {duration}\n")
@@ -162,15 +173,12 @@ fn an_earlier_task_resumes_a_joint_without_a_jump_when_the_later_one_is_ended() 
     let (commands, ended) = ticks_with_request(&Folder::with(&[]), &text, 4.0, 2.2, 1);
     assert!((ended[0].1 - 2.2).abs() < 1e-9 && ended[0].0 == "posture", "{ended:?}");
     // Speeds: 1.6 rad/s of the sine, and 15/8 of less than 2 rad in 0.5 s; 1 ms between ticks.
-    let steps = commands.windows(2).map(|w| (w[1].1.position[1] - w[0].1.position[1]).abs());
-    assert!(steps.clone().fold(0.0, f64::max) < 1e-2, "{}", steps.fold(0.0, f64::max));
-    let at = |time: f64| &commands.iter().find(|(t, _)| (t - time).abs() < 1e-9).expect("a tick").1;
+    assert!(greatest_step(&commands) < 1e-2, "{}", greatest_step(&commands));
     // Half a second later the sine alone commands the joint, from its initial angle.
     let (sine, slope) = (std::f64::consts::PI * 2.7).sin_cos();
-    let found = at(2.7);
-    assert!((found.position[1] - (-0.2 + 0.5 * sine)).abs() < 1e-12, "{found:?}");
-    assert!((found.velocity[1] - 0.5 * std::f64::consts::PI * slope).abs() < 1e-12, "{found:?}");
-    assert!((at(2.2).position[1] - at(2.199).position[1]).abs() < 5e-3, "{:?}", (at(2.199), at(2.2)));
+    let (q, v) = elbow_at(&commands, 2.7);
+    assert!((q - (-0.2 + 0.5 * sine)).abs() < 1e-12, "{q}");
+    assert!((v - 0.5 * std::f64::consts::PI * slope).abs() < 1e-12, "{v}");
 }
 
 #[test]
@@ -178,26 +186,20 @@ fn two_tasks_end_in_one_tick_without_a_jump() {
     let below = format!("{SINE}joints = {{ elbow = {{ amplitude = 0.5, frequency = 0.5 }} }}\n");
     let middle = "[[task]]\ntype = \"posture\"\nduration = 0.3\njoints = { elbow = 0.7 }\n";
     let above = format!("{SINE}joints = {{ elbow = {{ amplitude = 0.4, frequency = 1 }} }}\n");
-    let at = |commands: &Commands, time: f64| {
-        let tick = commands.iter().find(|(t, _)| (t - time).abs() < 1e-9).expect("a tick");
-        (tick.1.position[1], tick.1.velocity[1])
-    };
-
     let text = format!("{PENDULUM}{middle}{above}");
     let (commands, ended) = ticks_with_request(&Folder::with(&[]), &text, 0.4, 0.3, 1);
     assert!(ended.len() == 2 && ended.iter().all(|(_, time)| (time - 0.3).abs() < 1e-9), "{ended:?}");
     // The later one held the joint, half a radian from the goal of the other.
-    let last = at(&commands, 0.299).0;
+    let last = elbow_at(&commands, 0.299).0;
     assert!((last - (-0.2 + 0.4 * (std::f64::consts::TAU * 0.299).sin())).abs() < 1e-12);
-    assert_eq!(at(&commands, 0.3), (last, 0.0));
+    assert_eq!(elbow_at(&commands, 0.3), (last, 0.0));
 
     let text = format!("{PENDULUM}{below}{middle}{above}");
     let (commands, _) = ticks_with_request(&Folder::with(&[]), &text, 1.0, 0.3, 2);
     // At 0.3 s the sine below has another position by 0.02 rad, the posture by 0.5 rad. Speeds are below 3 rad/s.
-    let steps = commands.windows(2).map(|w| (w[1].1.position[1] - w[0].1.position[1]).abs());
-    assert!(steps.clone().fold(0.0, f64::max) < 3e-3, "{}", steps.fold(0.0, f64::max));
+    assert!(greatest_step(&commands) < 3e-3, "{}", greatest_step(&commands));
     let sine = -0.2 + 0.5 * (std::f64::consts::PI * 0.9).sin();
-    assert!((at(&commands, 0.9).0 - sine).abs() < 1e-12, "{:?} {sine}", at(&commands, 0.9));
+    assert!((elbow_at(&commands, 0.9).0 - sine).abs() < 1e-12, "{:?} {sine}", elbow_at(&commands, 0.9));
 }
 
 #[test]
@@ -216,9 +218,8 @@ fn servos_hold_the_present_posture_where_a_task_by_force_is_ended() {
     let text = format!("{PENDULUM}{posture}{compensation}");
     let (commands, ended) = ticks_with_request(&Folder::with(&[]), &text, 0.4, 0.3, 1);
     assert_eq!(ended[1].0, "gravity-compensation");
-    let end = commands.iter().position(|(time, _)| (time - 0.3).abs() < 1e-9).expect("a tick");
     // The robot of `ticks` does not move; its elbow is where it was at first.
-    assert_eq!((commands[end - 1].1.position[1], commands[end].1.position[1]), (0.4, -0.2));
+    assert_eq!((elbow_at(&commands, 0.299).0, elbow_at(&commands, 0.3).0), (0.4, -0.2));
 }
 
 #[test]

@@ -306,14 +306,6 @@ impl Task for ForceBalance {
         Ok(Status::Running)
     }
 
-    /// Servos hold the present posture; the server restores modes and efforts.
-    fn end(&mut self, context: &Context, command: &mut Command) {
-        for &JointId(j) in &self.joints {
-            command.position[j] = context.q()[j];
-            command.velocity[j] = 0.0;
-        }
-    }
-
     fn run(&mut self, context: &Context, command: &mut Command) -> TaskResult {
         if has_elapsed(context.time - self.start, self.settings.duration) {
             self.end(context, command);
@@ -332,6 +324,14 @@ impl Task for ForceBalance {
             command.effort[j] = self.effort[nb + j];
         }
         Ok(Status::Running)
+    }
+
+    /// Servos hold the present posture; the server restores modes and efforts.
+    fn end(&mut self, context: &Context, command: &mut Command) {
+        for &JointId(j) in &self.joints {
+            command.position[j] = context.q()[j];
+            command.velocity[j] = 0.0;
+        }
     }
 
     fn change(&mut self, context: &Context, number: usize) -> TaskResult {
