@@ -17,9 +17,14 @@ impl Fnv {
 fn main() {
     let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
     let mut files = Vec::new();
-    for name in ["src", "Cargo.toml", "Cargo.lock"] {
-        println!("cargo:rerun-if-changed={name}");
-        gather(&root.join(name), &mut files);
+    // A packaged crate comes without the two crates below it, which `Cargo.lock` names by their checksums.
+    for name in
+        ["src", "format/src", "format/Cargo.toml", "simulator/src", "simulator/Cargo.toml", "Cargo.toml", "Cargo.lock"]
+    {
+        if root.join(name).exists() {
+            println!("cargo:rerun-if-changed={name}");
+            gather(&root.join(name), &mut files);
+        }
     }
     // The order in which a folder lists its files depends on the system.
     let mut named: Vec<(String, PathBuf)> = files.into_iter().map(|path| (name_of(&path, &root), path)).collect();

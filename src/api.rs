@@ -8,8 +8,9 @@
 use crate::assemble;
 use crate::batch::{Batch, BatchError, Findings, Options, Progress, Report, on_threads, prepare, simulate};
 use crate::robot::{self, InertiaPolicy, Robot, RobotError};
-use crate::scenario::{self, Diagnostics, InertiaSpec, Run, ScenarioFile};
+use crate::scenario::{self, Diagnostics, InertiaSpec, Run as ScenarioRun, ScenarioFile};
 use crate::sim::{RunError, Setup, Simulation};
+use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
 
 /// Errors of the library; each displays file, line, what was found and what is expected.
@@ -92,7 +93,34 @@ impl Scenario {
     /// # Errors
     /// A key, a value or a combination of values is not valid.
     pub fn runs(&self) -> Result<Vec<Run>, Error> {
-        Ok(self.file.expand(&self.overrides)?)
+        Ok(self.file.expand(&self.overrides)?.into_iter().map(Run).collect())
+    }
+}
+
+/// A run of a scenario: the scenario with one combination of the values of its sweep.
+///
+/// The fields are those of [`ScenarioRun`]. Values changed here are not checked before
+/// [`setup`](Self::setup).
+#[derive(Clone, Debug)]
+pub struct Run(ScenarioRun);
+
+impl From<ScenarioRun> for Run {
+    fn from(run: ScenarioRun) -> Self {
+        Self(run)
+    }
+}
+
+impl Deref for Run {
+    type Target = ScenarioRun;
+
+    fn deref(&self) -> &ScenarioRun {
+        &self.0
+    }
+}
+
+impl DerefMut for Run {
+    fn deref_mut(&mut self) -> &mut ScenarioRun {
+        &mut self.0
     }
 }
 

@@ -74,15 +74,9 @@ pub mod batch;
 #[cfg_attr(doc, doc(hidden))]
 pub mod cli;
 #[cfg_attr(doc, doc(hidden))]
-pub mod collision;
-#[cfg_attr(doc, doc(hidden))]
 pub mod console;
 #[cfg_attr(doc, doc(hidden))]
-pub mod contact;
-#[cfg_attr(doc, doc(hidden))]
 pub mod convert;
-#[cfg_attr(doc, doc(hidden))]
-pub mod dynamics;
 #[cfg_attr(doc, doc(hidden))]
 pub mod export;
 #[cfg_attr(doc, doc(hidden))]
@@ -90,30 +84,11 @@ pub mod files;
 #[cfg_attr(doc, doc(hidden))]
 pub mod fit;
 #[cfg_attr(doc, doc(hidden))]
-pub mod force;
-#[cfg_attr(doc, doc(hidden))]
-pub mod geometry;
-#[cfg_attr(doc, doc(hidden))]
-pub mod integrate;
-#[cfg_attr(doc, doc(hidden))]
-pub mod linalg;
-#[cfg_attr(doc, doc(hidden))]
 pub mod live;
 #[cfg_attr(doc, doc(hidden))]
 pub mod log;
 #[cfg_attr(doc, doc(hidden))]
-pub mod math;
-#[cfg_attr(doc, doc(hidden))]
-pub mod mesh;
-#[cfg_attr(doc, doc(hidden))]
-pub mod metrics;
-#[cfg_attr(doc, doc(hidden))]
-pub mod motion;
-pub mod patches;
-#[cfg_attr(doc, doc(hidden))]
 pub mod policy;
-#[cfg_attr(doc, doc(hidden))]
-pub mod random;
 #[cfg_attr(doc, doc(hidden))]
 pub mod remote;
 #[cfg_attr(doc, doc(hidden))]
@@ -123,33 +98,26 @@ pub mod report;
 #[cfg_attr(doc, doc(hidden))]
 pub mod results;
 #[cfg_attr(doc, doc(hidden))]
-pub mod robot;
-#[cfg_attr(doc, doc(hidden))]
-pub mod scenario;
-#[cfg_attr(doc, doc(hidden))]
 pub mod schema_page;
 #[cfg_attr(doc, doc(hidden))]
 pub mod script;
 #[cfg_attr(doc, doc(hidden))]
-pub mod sdf;
-#[cfg_attr(doc, doc(hidden))]
-pub mod search;
-#[cfg_attr(doc, doc(hidden))]
-pub mod sim;
-#[cfg_attr(doc, doc(hidden))]
-pub mod statistics;
-#[cfg_attr(doc, doc(hidden))]
 pub mod submit;
-#[cfg_attr(doc, doc(hidden))]
-pub mod task;
-#[cfg_attr(doc, doc(hidden))]
-pub mod terrain;
-#[cfg_attr(doc, doc(hidden))]
-pub mod text;
 #[cfg_attr(doc, doc(hidden))]
 pub mod view;
 #[cfg_attr(doc, doc(hidden))]
 pub mod web;
+
+// Modules of the format and of the simulator, under the same paths.
+#[cfg_attr(doc, doc(hidden))]
+pub use stiction_format::{scenario, search, statistics};
+#[doc(inline)]
+pub use stiction_simulator::patches;
+#[cfg_attr(doc, doc(hidden))]
+pub use stiction_simulator::{
+    collision, contact, dynamics, force, geometry, input, integrate, linalg, math, mesh, metrics, motion, random,
+    robot, sdf, sim, task, terrain, text,
+};
 
 /// Types of the fields of [`Setup`].
 pub mod setup {
@@ -176,13 +144,13 @@ pub mod contact_methods {
     pub use crate::contact::search::select::Selection;
 }
 
-pub use api::{Error, Scenario, run_batch};
+pub use api::{Error, Run, Scenario, run_batch};
 pub use batch::{Options, Report};
 pub use contact::model::state::SoleState;
 pub use dynamics::State;
 pub use force::{AppliedForces, Force, ForceContext};
 pub use nalgebra;
 pub use robot::{JointId, LinkId, Model, Robot, SoleId};
-pub use scenario::Run;
+pub use scenario::Run as ScenarioRun;
 pub use sim::{Metrics, Observer, Outcome, RunError, Setup, SimEvent, Simulation, Snapshot};
 pub use task::{Command, Context, Foresight, Status, Task, TaskMemory, TaskResult};

@@ -10,8 +10,9 @@
 //! and collects the rows in the order of the plan. It knows live clients by the trait
 //! [`LiveClients`] only.
 //!
-//! Imports: `search`, `text`, `geometry`, `files`, `robot`, `convert`, `terrain`, `contact`, `script`, `scenario`,
-//! `sim`, `log`, `assemble`, `results`, `report`, `remote`. Used by: `replay`, `console`, `fit`, `api`, `cli`.
+//! Imports: `text`, `geometry`, `input`, `robot`, `terrain`, `contact`, `sim`, `scenario`, `files`,
+//! `convert`, `script`, `log`, `assemble`, `results`, `report`, `remote`, `search`. Used by:
+//! `replay`, `api`, `cli`, `console`, `fit`.
 
 mod batch_error;
 mod dispatch;

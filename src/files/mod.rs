@@ -1,20 +1,18 @@
-//! Reading and writing files safely: bounded reads of regular files, writes that appear whole or
-//! not at all, paths that stay inside a folder of results, and grey values of pictures.
+//! Writing files safely: writes that appear whole or not at all, paths that stay inside a folder of
+//! results, checksums.
 //!
-//! Imports: nothing of this crate. Used by: `sdf`, `robot`, `terrain`, `scenario`, `log`, `results`, `report`,
-//! `export`, `policy`, `remote`, `batch`, `replay`, `view`, `submit`, `console`, `fit`, `cli`.
+//! Imports: nothing of this crate. Used by: `policy`, `log`, `results`, `report`, `export`,
+//! `batch`, `replay`, `view`, `cli`, `console`, `submit`, `fit`.
 
 pub mod atomic;
 pub(crate) mod checksum;
 pub mod confined;
 pub(crate) mod durability;
-pub mod input;
 pub(crate) mod json;
 mod key_levels;
 mod lock;
 pub mod names;
 mod panic_capture;
-pub(crate) mod png;
 mod record_error;
 
 pub use atomic::{OutputKind, check_replaceable, remove_partial};

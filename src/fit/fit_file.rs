@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use crate::files::input;
 use crate::fit::format::{FitSpec, Scale};
+use crate::input;
 use crate::scenario::{Findings, KeyPath, NodeDeserializer};
 use crate::text::source::{Sources, Span};
 use crate::text::suggest;

@@ -14,8 +14,8 @@
 //!   intervals and checks (`results`).
 //! - `summary_text`, `result_files`: output.
 //!
-//! Imports: `math`, `statistics`, `text`, `files`, `robot`, `scenario`, `sim`, `log`, `assemble`, `report`,
-//! `export`, `batch`. Used by: `cli`.
+//! Imports: `math`, `text`, `input`, `robot`, `sim`, `statistics`, `scenario`, `files`, `log`,
+//! `assemble`, `report`, `export`, `batch`. Used by: `cli`.
 
 mod estimate;
 mod experiment;

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::export::{self, Selection, Values};
-use crate::files::input;
 use crate::fit::fit_file::FitFile;
+use crate::input;
 use crate::log::Trajectory;
 use crate::text::pattern::matches;
 use crate::text::plural::plural;

@@ -8,8 +8,8 @@
 //! - [`salvage()`]: recovers the readable part of a damaged or unfinished log.
 //! - [`ProblemWriter`]: the contact problems of a run, `problems/*.json`.
 //!
-//! Imports: `math`, `files`, `robot`, `convert`, `terrain`, `contact`, `sim`. Used by: `assemble`, `report`, `export`, `live`,
-//! `batch`, `replay`, `view`, `console`, `fit`, `cli`.
+//! Imports: `math`, `input`, `robot`, `terrain`, `contact`, `sim`, `files`, `convert`. Used by:
+//! `assemble`, `report`, `export`, `live`, `batch`, `replay`, `view`, `cli`, `console`, `fit`.
 
 mod message_descriptor;
 pub mod messages;

@@ -2,8 +2,8 @@
 //! other solvers.
 
 use crate::contact::selection_record::SelectionRecord;
-use crate::files::input::{self, MOST_DATA};
 use crate::files::{RecordError, atomic, if_present, json};
+use crate::input::{self, MOST_DATA};
 use crate::sim::Problems;
 use serde::{Deserialize, Serialize};
 use std::io::Write;

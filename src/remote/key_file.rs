@@ -4,7 +4,7 @@ use std::fs::Metadata;
 use std::io::Read;
 use std::path::Path;
 
-use crate::files::input;
+use crate::input;
 use crate::remote::link_error::LinkError;
 use crate::remote::wire::Key;
 

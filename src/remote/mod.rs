@@ -4,7 +4,7 @@
 //! [`crate::task::SensorReadings`]. The robot side ([`MotorServer`]) owns the clock; the task side
 //! ([`RobotClient`]) answers each tick.
 //!
-//! Imports: `random`, `files`, `robot`, `dynamics`, `task`, `sim`. Used by: `live`, `batch`, `cli`.
+//! Imports: `random`, `input`, `robot`, `dynamics`, `task`, `sim`. Used by: `live`, `batch`, `cli`.
 
 mod challenge;
 mod channel;

@@ -1,7 +1,7 @@
 //! Length and hash of a run's log, kept in its record to detect logs of other runs.
 
 use crate::files::RecordError;
-use crate::files::input;
+use crate::input;
 use crate::results::RunRecord;
 use serde::{Deserialize, Serialize};
 use std::io::{ErrorKind, Read, Seek, SeekFrom};

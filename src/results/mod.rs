@@ -18,8 +18,8 @@
 //! whole. Simulated results depend on the run alone; wall-clock times have columns and an object of
 //! their own.
 //!
-//! Imports: `math`, `statistics`, `text`, `files`, `metrics`, `contact`, `scenario`, `sim`. Used by: `report`, `batch`,
-//! `replay`, `view`, `submit`, `cli`.
+//! Imports: `math`, `text`, `input`, `metrics`, `contact`, `sim`, `statistics`, `scenario`,
+//! `files`. Used by: `report`, `batch`, `replay`, `view`, `cli`, `submit`.
 
 pub mod claims;
 pub mod compare;

@@ -3,9 +3,9 @@
 //!
 //! The first line is a [`ShardHead`], each further one a [`ShardRun`], in the order of the plan.
 
-use crate::files::input;
 pub use crate::files::names::SHARD_LIST;
 use crate::files::{KeyLevels, RecordError, atomic, confined, json};
+use crate::input;
 use crate::results::PROGRAM;
 use crate::results::claims::{ClaimHead, RunClaim};
 use crate::results::searches::SearchResult;

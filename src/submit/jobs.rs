@@ -6,8 +6,8 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::files::input::{self, MOST_TEXT};
 use crate::files::{RecordError, json};
+use crate::input::{self, MOST_TEXT};
 
 /// Format version of `jobs.json`.
 pub const SUBMIT_SCHEMA: u32 = 1;

@@ -11,7 +11,7 @@
 //! Shells and engines have different quoting rules for scripts, so this room quotes every argument
 //! in them. Programs are started with a list of arguments, never through a shell.
 //!
-//! Imports: `files`, `results`. Used by: `cli`.
+//! Imports: `input`, `files`, `results`. Used by: `cli`.
 
 mod engine_command;
 mod folder_check;

@@ -9,7 +9,7 @@
 //! hosts. It draws with three.js; `page/three.min.js` has the parts that it needs (see
 //! `page/three/`).
 //!
-//! Imports: `files`, `web`, `log`, `results`. Used by: `cli`.
+//! Imports: `input`, `files`, `web`, `log`, `results`. Used by: `cli`.
 
 mod connections;
 mod drawn_run;

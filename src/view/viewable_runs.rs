@@ -1,8 +1,8 @@
 //! Finds the runs to show: one log, or those of a folder of results.
 
 use crate::files::RecordError;
-use crate::files::input;
 use crate::files::names;
+use crate::input;
 use crate::results::{RunRecord, read_records};
 use crate::view::view_error::ViewError;
 use std::path::{Path, PathBuf};

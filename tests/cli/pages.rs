@@ -62,7 +62,7 @@ fn code_blocks_of_extending_exist_in_the_repository() {
     let page = page("extending.md");
     for (folder, extensions, languages) in [
         ("scenarios/extending", &["toml", "urdf", "luau"][..], &["toml", "xml", "lua"][..]),
-        ("src", &["rs"][..], &["rust"][..]),
+        ("simulator/src", &["rs"][..], &["rust"][..]),
     ] {
         let (files, blocks) = (texts(folder, extensions), blocks(&page, languages));
         assert!(blocks.len() >= 3, "{}", blocks.len());

@@ -1,4 +1,4 @@
-"""Two generations of covariance matrix adaptation, for the test in src/search/evolution.rs.
+"""Two generations of covariance matrix adaptation, for the test in format/src/search/evolution.rs.
 
 The equations and constants of Hansen, The CMA Evolution Strategy: A Tutorial (2016), with positive weights
 alone, and SciPy's matrix square root in place of axes. Made with NumPy 2.4.6 and SciPy 1.17.1.

@@ -1,11 +1,11 @@
-//! Tests that at most three files of `src/` form an import cycle, except for a trait with its
+//! Tests that at most three files of the sources form an import cycle, except for a trait with its
 //! registry.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{rust_files, source};
+use super::{rust_files, sources};
 
 /// Files that may form a larger cycle: the trait of contact methods and the registry of its
 /// implementations.
@@ -16,15 +16,21 @@ const MAX_CYCLE: usize = 3;
 type Module = Vec<String>;
 
 struct SourceFile {
-    /// Name relative to `src/`.
+    /// Name relative to the sources of its crate.
     name: String,
     /// Imports, and in a `mod.rs` re-exports: full paths of single names.
     uses: Vec<Module>,
     reexports: BTreeMap<String, Module>,
 }
 
+/// Relative to the sources of its crate: the program exports the simulator's modules under their
+/// names.
+fn relative(file: &Path) -> &Path {
+    sources().iter().find_map(|source| file.strip_prefix(source).ok()).expect("a file of the sources")
+}
+
 fn module_of(file: &Path) -> Module {
-    let relative = file.strip_prefix(source()).unwrap().with_extension("");
+    let relative = relative(file).with_extension("");
     let mut parts: Module = relative.iter().map(|part| part.to_str().unwrap().to_owned()).collect();
     if ["mod", "lib", "main"].contains(&parts.last().unwrap().as_str()) {
         parts.pop();
@@ -67,7 +73,7 @@ fn expand(tree: &str, prefix: &[String], found: &mut Vec<Module>) {
 fn absolute(path: &Module, module: &Module, children: &BTreeSet<Module>) -> Option<Module> {
     let mut path = path.clone();
     match path.first()?.as_str() {
-        "crate" | "stiction" => Some(path.split_off(1)),
+        "crate" | "stiction" | "stiction_format" | "stiction_simulator" => Some(path.split_off(1)),
         "super" => {
             let mut base = module.clone();
             while path.first().is_some_and(|part| part == "super") {
@@ -86,16 +92,16 @@ fn absolute(path: &Module, module: &Module, children: &BTreeSet<Module>) -> Opti
 
 fn read_sources() -> BTreeMap<Module, SourceFile> {
     let mut paths: Vec<PathBuf> = Vec::new();
-    rust_files(&source(), &mut paths);
+    sources().iter().for_each(|source| rust_files(source, &mut paths));
     let modules: BTreeSet<Module> = paths.iter().map(|path| module_of(path)).collect();
     let mut files = BTreeMap::new();
-    // The two crate roots import everything, and no file imports them.
+    // The crate roots import everything, and no file imports them.
     for path in paths.iter().filter(|path| !module_of(path).is_empty()) {
         let (text, module) = (fs::read_to_string(path).unwrap(), module_of(path));
         let code = text.split("#[cfg(test)]\nmod ").next().unwrap();
         let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
         let code = lines.collect::<Vec<_>>().join(" ");
-        let name = path.strip_prefix(source()).unwrap().display().to_string();
+        let name = relative(path).display().to_string();
         let mut file = SourceFile { name, uses: Vec::new(), reexports: BTreeMap::new() };
         for (at, _) in code.match_indices("use ") {
             let before = code[..at].trim_end();

@@ -8,13 +8,13 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use super::markdown::Page;
-use super::source;
+use super::repository;
 
 const SUMMARY: &str = "docs/SUMMARY.md";
 const PARTS: [&str; 4] = ["Start", "Guide", "Concepts", "Reference"];
 
 fn root() -> PathBuf {
-    source().parent().unwrap().to_owned()
+    repository().to_owned()
 }
 
 /// Adds the pages of a folder of the repository.

@@ -1,5 +1,5 @@
-//! Tests that the rooms of `src/` import each other only as in the table "Rooms" of
-//! `docs/development.md`. A room is a top-level module.
+//! Tests that the rooms of the crates import each other only as in the tables "Rooms" of
+//! `docs/development.md`. A room is a top-level module of a crate.
 
 mod file_cycles;
 mod links;
@@ -12,13 +12,29 @@ use std::path::{Path, PathBuf};
 /// Imports of each room.
 type Imports = BTreeMap<String, BTreeSet<String>>;
 
-fn source() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+fn repository() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Rooms: folders and files of `src/`, except for the two crate roots.
+/// Folders of the sources, lowest crate first. Each crate exports the rooms below it under their
+/// names.
+fn sources() -> [PathBuf; 3] {
+    ["simulator/src", "format/src", "src"].map(|folder| repository().join(folder))
+}
+
+/// Folder or file of a room.
+fn room_path(room: &str) -> PathBuf {
+    let candidates = sources().into_iter().flat_map(|source| [source.join(room), source.join(format!("{room}.rs"))]);
+    candidates.into_iter().find(|path| path.exists()).unwrap_or_else(|| panic!("there is no room `{room}`"))
+}
+
+/// Rooms: folders and files of the sources, except for the crate roots.
 fn rooms() -> BTreeSet<String> {
-    let entries = fs::read_dir(source()).unwrap().map(|entry| entry.unwrap().path());
+    sources().iter().flat_map(|source| rooms_in(source)).collect()
+}
+
+fn rooms_in(source: &Path) -> BTreeSet<String> {
+    let entries = fs::read_dir(source).unwrap().map(|entry| entry.unwrap().path());
     // Version control may leave empty folders.
     let has_code = |path: &PathBuf| {
         let mut files = Vec::new();
@@ -44,7 +60,7 @@ fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Names of rooms in the text after `crate::` or `stiction::`: one, or several in braces.
+/// Names of rooms in the text after `crate::` or the name of a crate: one, or several in braces.
 fn imported_names(text: &str) -> Vec<&str> {
     let name = |text: &str| text.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(text.len());
     let Some(inside) = text.strip_prefix('{') else { return vec![&text[..name(text)]] };
@@ -74,9 +90,9 @@ fn imports() -> Imports {
     let rooms = rooms();
     for room in &rooms {
         let mut files = Vec::new();
-        match source().join(room) {
+        match room_path(room) {
             folder if folder.is_dir() => rust_files(&folder, &mut files),
-            file => files.push(file.with_extension("rs")),
+            file => files.push(file),
         }
         let room_imports = imports.entry(room.clone()).or_default();
         for file in files {
@@ -84,7 +100,7 @@ fn imports() -> Imports {
             let code = text.split("\nmod tests {").next().unwrap();
             let lines: Vec<&str> = code.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
             let code = lines.join("\n");
-            for root in ["crate::", "stiction::"] {
+            for root in ["crate::", "stiction::", "stiction_format::", "stiction_simulator::"] {
                 for (at, _) in code.match_indices(root) {
                     if code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':') {
                         continue;
@@ -100,7 +116,7 @@ fn imports() -> Imports {
 
 /// The table of `docs/development.md`: `| `room/` | purpose | imports |`.
 fn table() -> Imports {
-    let page = fs::read_to_string(source().with_file_name("docs/development.md")).unwrap();
+    let page = fs::read_to_string(repository().join("docs/development.md")).unwrap();
     let section = page.split("\n## Rooms\n").nth(1).expect("a section `Rooms`").split("\n## ").next().unwrap();
     let mut table = Imports::new();
     for line in section.lines().filter(|line| line.starts_with("| `")) {
@@ -138,8 +154,8 @@ fn imports_between_rooms_match_the_table() {
 
 /// The module comment of a room: its `mod.rs`, or its file.
 fn module_comment(room: &str) -> String {
-    let folder = source().join(room);
-    let file = if folder.is_dir() { folder.join("mod.rs") } else { folder.with_extension("rs") };
+    let path = room_path(room);
+    let file = if path.is_dir() { path.join("mod.rs") } else { path };
     let text = fs::read_to_string(file).unwrap();
     let lines: Vec<&str> = text.lines().map_while(|line| line.strip_prefix("//!")).map(str::trim).collect();
     lines.join(" ")
@@ -176,6 +192,25 @@ fn module_comments_name_imports_and_users() {
     assert!(errors.is_empty(), "{}", errors.join("\n"));
 }
 
+/// The compiler checks the first as well, without a message about rooms.
+#[test]
+fn crates_import_those_below_them_and_have_a_table_each() {
+    let crates = sources().map(|source| rooms_in(&source));
+    let page = fs::read_to_string(repository().join("docs/development.md")).unwrap();
+    let imports = imports();
+    for (level, (rooms, source)) in crates.iter().zip(sources()).enumerate() {
+        let above: BTreeSet<&String> = crates[level + 1..].iter().flatten().collect();
+        for room in rooms {
+            let found: Vec<&String> = imports[room].iter().filter(|other| above.contains(other)).collect();
+            assert!(found.is_empty(), "`{room}` imports {found:?} of a crate above its own");
+        }
+        let title = source.strip_prefix(repository()).unwrap().display().to_string();
+        let table = page.split(&format!("\n`{title}/`:\n\n")).nth(1).expect("a table").split("\n\n").next().unwrap();
+        let listed = table.lines().filter_map(|line| line.strip_prefix("| `")?.split_once("/`")).map(|(name, _)| name);
+        assert_eq!(listed.map(str::to_owned).collect::<BTreeSet<_>>(), *rooms, "rooms of {title}");
+    }
+}
+
 /// Repeatedly removes rooms without remaining imports. The remaining rooms are on a cycle or import
 /// one.
 #[test]
@@ -198,7 +233,8 @@ fn rooms_have_no_cycle() {
 /// Paths of this repository in a page: in backticks or as link targets, without placeholders in
 /// capitals.
 fn named_paths(page: &str) -> Vec<&str> {
-    const ROOTS: [&str; 7] = ["src/", "tests/", "docs/", "scenarios/", "robots/", "examples/", "engines/"];
+    const ROOTS: [&str; 9] =
+        ["src/", "format/", "simulator/", "tests/", "docs/", "scenarios/", "robots/", "examples/", "engines/"];
     let pieces = page.split(['`', '(', ')', ' ', ',', '\n', '"', '|', ';']);
     // The reader of the tutorial creates `scenarios/mine/`.
     let path = |piece: &str| ROOTS.iter().any(|root| piece.starts_with(root)) && !piece.starts_with("scenarios/mine");
@@ -213,7 +249,7 @@ fn is_placeholder(part: &str) -> bool {
 
 #[test]
 fn paths_in_the_docs_exist() {
-    let root = source().parent().unwrap().to_owned();
+    let root = repository();
     let pages = fs::read_dir(root.join("docs")).unwrap().map(|entry| entry.unwrap().path());
     let pages = pages
         .filter(|path| path.extension().is_some_and(|e| e == "md"))

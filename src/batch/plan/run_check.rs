@@ -11,7 +11,7 @@ use crate::batch::plan::finding::MAX_ERRORS;
 use crate::batch::plan::robot_cache::Robots as RobotCache;
 use crate::batch::plan::run_key::{LastFiles, RunKeys};
 use crate::batch::{Finding, Findings};
-use crate::files::input;
+use crate::input;
 use crate::robot::{Robot, RobotError};
 use crate::scenario::{CheckedCell, CheckedCells, Expansion, ForceSpec, InertiaSpec, Run, Severity, TaskSpec};
 use crate::script::time_limited;

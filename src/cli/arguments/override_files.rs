@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::batch::Severity;
-use crate::files::input;
+use crate::input;
 use crate::scenario::{Diagnostic, segment};
 use crate::text::Source;
 

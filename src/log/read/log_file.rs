@@ -1,6 +1,6 @@
 //! Opens and verifies the MCAP file of a log, and reads what its index names.
 
-use crate::files::input;
+use crate::input;
 use crate::log::read::log_error::{LogDamage, LogError};
 use crate::log::read::trajectory::{Attachment, RunInfo};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};

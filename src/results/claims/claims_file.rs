@@ -1,6 +1,7 @@
 //! `claims.json`: the results of the claims of a batch, and its claims about changes.
 
-use crate::files::{RecordError, input, json, names};
+use crate::files::{RecordError, json, names};
+use crate::input;
 use crate::results::PROGRAM;
 use crate::results::claims::change_claim::ChangeClaim;
 use crate::results::claims::verdict::ClaimVerdict;

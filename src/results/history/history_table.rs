@@ -10,7 +10,8 @@ use polars::prelude::{DataFrame, DataType, Float64Chunked, PolarsError, StringCh
 use polars_io::SerReader;
 use polars_io::parquet::read::{ParallelStrategy, ParquetReader};
 
-use crate::files::{catch_panic, input};
+use crate::files::catch_panic;
+use crate::input;
 use crate::results::claims::ClaimVerdict;
 use crate::results::compare::{HISTORY_COLUMNS, RunDigest, identity_of};
 use crate::results::history::append::MOST_ROWS;

@@ -51,7 +51,7 @@ fn copy_file(from: &Path, to: &Path) -> Result<(), RecordError> {
         return durability::sync_path(to).and_then(|()| durability::sync_folder_of(to)).map_err(RecordError::io(to));
     }
     atomic::write(to, |out| {
-        let (mut file, _) = crate::files::input::open(from).map_err(RecordError::io(from))?;
+        let (mut file, _) = crate::input::open(from).map_err(RecordError::io(from))?;
         std::io::copy(&mut file, out).map(|_| ()).map_err(RecordError::io(to))
     })
 }

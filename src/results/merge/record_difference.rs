@@ -1,6 +1,6 @@
 //! Differences between two records of one run.
 
-use crate::files::input::{self, UNLIMITED};
+use crate::input::{self, UNLIMITED};
 use crate::results::RunRecord;
 use crate::results::merge::plan_walk::Holder;
 use serde_json::Value;

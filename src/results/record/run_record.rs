@@ -1,7 +1,7 @@
 //! `run.json`, the record of one run: inputs, outcome, metrics and timing.
 
-use crate::files::input::{self, MOST_DATA};
 use crate::files::{RecordError, json};
+use crate::input::{self, MOST_DATA};
 use crate::metrics::{Metrics, number};
 use crate::results::{Comparison, LogFingerprint, ParamValue, Repeats, SummaryRow, Verdict};
 use crate::sim::{AvoidanceTime, Outcome};

@@ -1,7 +1,8 @@
 //! `searches.json`: the results of searches with their runs. `searches.csv`: a row for each.
 //! `boundary-lines.csv`: a row for each point of a boundary over two keys.
 
-use crate::files::{RecordError, atomic, if_present, input, json, names};
+use crate::files::{RecordError, atomic, if_present, json, names};
+use crate::input;
 use crate::results::PROGRAM;
 use crate::results::searches::search_result::SearchResult;
 use crate::text::csv_line::csv_line;
