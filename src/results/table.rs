@@ -23,10 +23,10 @@ pub fn table(rows: &[SummaryRow], width: usize) -> String {
 
 /// A line with the reason for each run that did not simply pass; `all`: also for those that ended
 /// as expected.
-pub fn endings(rows: &[SummaryRow], all: bool) -> String {
+pub fn endings<'a>(rows: impl IntoIterator<Item = &'a SummaryRow>, all: bool) -> String {
     let mut out = String::new();
     let is_listed = |r: &&SummaryRow| r.outcome != Outcome::Passed && !r.message.is_empty() && (all || r.is_refused());
-    for row in rows.iter().filter(is_listed) {
+    for row in rows.into_iter().filter(is_listed) {
         let parameters = brief_parameters(row, |_| true);
         let parameters = if parameters.is_empty() { parameters } else { format!(" ({parameters})") };
         let (scenario, reason) = (visible(&row.scenario), one_line(&row.message));

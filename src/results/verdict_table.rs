@@ -39,8 +39,12 @@ impl ListedVerdicts {
 /// For each run its name, and below it a line per verdict: metric, measured and expected value,
 /// error, relative error, what was allowed, and whether it held. The last line counts. Empty where
 /// nothing was expected.
-pub fn verdicts(rows: &[SummaryRow], listed: ListedVerdicts, width: usize) -> String {
-    let all = rows.iter().map(|row| row.verdicts.len()).sum::<usize>();
+pub fn verdicts<'a>(
+    rows: impl IntoIterator<Item = &'a SummaryRow> + Clone,
+    listed: ListedVerdicts,
+    width: usize,
+) -> String {
+    let all = rows.clone().into_iter().map(|row| row.verdicts.len()).sum::<usize>();
     if all == 0 {
         return String::new();
     }
@@ -48,7 +52,7 @@ pub fn verdicts(rows: &[SummaryRow], listed: ListedVerdicts, width: usize) -> St
     let numbers = ["measured", "expected", "error", "relative", "allowed", "held"].map(|name| (name, Alignment::Right));
     let mut table = TextTable::new([("  metric", Alignment::Left)].into_iter().chain(numbers));
     let mut runs = Vec::new();
-    for row in rows {
+    for row in rows.clone() {
         let lines: Vec<_> = row.verdicts.iter().filter(|v| listed.lists(v)).map(cells).collect();
         if !lines.is_empty() {
             let name = format!("{} {}", visible(&row.scenario), brief_parameters(row, |_| true));
@@ -67,7 +71,7 @@ pub fn verdicts(rows: &[SummaryRow], listed: ListedVerdicts, width: usize) -> St
             out.extend(lines.by_ref().take(count));
         }
     }
-    let held = rows.iter().flat_map(|row| &row.verdicts).filter(|v| v.held).count();
+    let held = rows.into_iter().flat_map(|row| &row.verdicts).filter(|v| v.held).count();
     let hidden = match all - table.rows() {
         0 => String::new(),
         hidden => format!("; {hidden} not shown here, see --verdicts"),

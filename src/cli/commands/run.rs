@@ -15,7 +15,7 @@ use crate::remote::Pace;
 use crate::results::claims::claim_table;
 use crate::results::pareto::{Work, pareto_table};
 use crate::results::searches::search_table;
-use crate::results::{ListedVerdicts, endings, overview, table, verdicts};
+use crate::results::{ListedVerdicts, SummaryRow, endings, overview, table, verdicts};
 use crate::text::visible::{visible, visible_path};
 use clap::{Args, ValueEnum, ValueHint};
 
@@ -234,18 +234,18 @@ pub(super) struct Shows<'a> {
 pub(super) fn summary(report: &Report, shows: Shows) -> String {
     let width = terminal::width();
     let mut out = overview(&report.statistics, &marked(report), width);
-    let rows = report.rows();
+    let rows: Vec<&SummaryRow> = report.finished.iter().map(|finished| &finished.row).collect();
     let part = |text: String| if text.is_empty() { text } else { format!("\n{text}") };
     if shows.verbose {
         // Where not all rows are in memory, the table shows failures.
         let is_whole = report.statistics.runs() == rows.len();
-        let lines: Vec<_> = rows.iter().filter(|row| is_whole || row.is_refused()).cloned().collect();
+        let lines: Vec<_> = rows.iter().filter(|row| is_whole || row.is_refused()).map(|row| (*row).clone()).collect();
         out += &part(if lines.is_empty() { String::new() } else { table(&lines, width) });
-        out += &part(pareto_table(&rows.iter().map(Work::of).collect::<Vec<_>>(), width));
+        out += &part(pareto_table(&rows.iter().copied().map(Work::of).collect::<Vec<_>>(), width));
     }
-    out += &part(endings(&rows, shows.verbose));
+    out += &part(endings(rows.iter().copied(), shows.verbose));
     if let Some(shown) = shown(shows) {
-        out += &part(verdicts(&rows, shown, width));
+        out += &part(verdicts(rows.iter().copied(), shown, width));
     }
     out += &part(search_table(&report.searches, width));
     out += &part(claim_table(&report.claims, width));
