@@ -35,7 +35,8 @@ def dependencies(target):
             # Build dependencies are included: those with C sources, such as Luau's, are compiled along.
             if any(kind["kind"] in (None, "build") for kind in needed["dep_kinds"]):
                 left.append(needed["pkg"])
-    found.remove(root)
+    # Packages without a source are those of this repository.
+    found = {id for id in found if packages[id]["source"]}
     return sorted((packages[id] for id in found), key=lambda package: (package["name"], package["version"]))
 
 

@@ -1,7 +1,6 @@
 //! Entry points of the library: from a scenario file to runs, simulations and batches.
 //!
-//! Imports `scenario`, `robot`, `assemble`, `sim` and `batch`; the crate root exports its types.
-//! The program does not use it.
+//! The crate root exports its types. The program does not use it.
 //!
 //! Imports: `robot`, `scenario`, `sim`, `assemble`, `batch`. Used by: the crate root.
 

@@ -93,6 +93,9 @@ class References(unittest.TestCase):
     def test_copied_files_are_in_the_context(self):
         """Those of the Dockerfile exist, and .dockerignore lets them through."""
         kept = [line[1:] for line in (ROOT / ".dockerignore").read_text().splitlines() if line.startswith("!")]
+        members = re.search(r"members = \[(.*)\]", (ROOT / "Cargo.toml").read_text())[1]
+        for member in re.findall(r'"([^"]+)"', members):
+            self.assertIn(member, kept, "a crate that the build needs")
         for line in (ROOT / "Dockerfile").read_text().splitlines():
             if line.startswith("COPY ") and "--from" not in line and line != "COPY . .":
                 for source in line.split()[1:-1]:

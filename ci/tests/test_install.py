@@ -89,6 +89,7 @@ class Release(Case):
         for name in ("luau0-src ", "zstd-sys ", "lz4-sys ", "nalgebra ", "GNU C library"):
             self.assertIn(name, licences)
         self.assertNotIn("proptest ", licences)
+        self.assertNotIn("stiction-", licences)
         self.write("a.toml", scenario())
         self.assertEqual(self.run_step(runner=step.outputs["runner"]).code, 0)
 

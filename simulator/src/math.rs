@@ -4,7 +4,7 @@
 //! implementation by processor and version; their last bits differ. `clippy.toml` forbids them.
 //! `sqrt`, `mul_add`, rounding and `%` are exact by IEEE 754 and remain methods.
 //!
-//! Imports: nothing of this crate. Used by: `geometry`, `integrate`, `random`, `robot`, `dynamics`,
+//! Imports: no other room. Used by: `geometry`, `integrate`, `random`, `robot`, `dynamics`,
 //! `motion`, `patches`, `contact`, `collision`, `task`, `force`, `script`, `policy`, `scenario`, `sim`, `log`, `assemble`,
 //! `convert`, `statistics`, `search`, `results`, `report`, `fit`.
 

@@ -1,7 +1,7 @@
 //! Writing files safely: writes that appear whole or not at all, paths that stay inside a folder of
 //! results, checksums.
 //!
-//! Imports: nothing of this crate. Used by: `policy`, `log`, `results`, `report`, `export`,
+//! Imports: no other room. Used by: `policy`, `log`, `results`, `report`, `export`,
 //! `batch`, `replay`, `view`, `cli`, `console`, `submit`, `fit`.
 
 pub mod atomic;

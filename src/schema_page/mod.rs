@@ -3,7 +3,7 @@
 //!
 //! It serves `runner schema FORMAT --markdown`.
 //!
-//! Imports: nothing of this crate. Used by: `cli`.
+//! Imports: no other room. Used by: `cli`.
 
 mod page_context;
 mod reference_page;

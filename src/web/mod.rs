@@ -1,6 +1,6 @@
 //! Requests of browsers to servers on loopback: bounded heads, permitted hosts and origins.
 //!
-//! Imports: nothing of this crate. Used by: `live`, `view`, `cli`.
+//! Imports: no other room. Used by: `live`, `view`, `cli`.
 
 mod local_access;
 mod request_head;

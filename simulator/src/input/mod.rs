@@ -2,7 +2,7 @@
 //!
 //! A pipe may block and a device may never end; both are refused before opening.
 //!
-//! Imports: nothing of this crate. Used by: `sdf`, `robot`, `terrain`, `scenario`, `log`,
+//! Imports: no other room. Used by: `sdf`, `robot`, `terrain`, `scenario`, `log`,
 //! `results`, `remote`, `batch`, `view`, `cli`, `submit`, `fit`.
 
 pub mod png;

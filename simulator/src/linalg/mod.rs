@@ -2,7 +2,7 @@
 //! rows, in-place Cholesky, the discrete Riccati equation, Lemke's method for linear
 //! complementarity problems, and the acceleration of fixed-point iterations.
 //!
-//! Imports: nothing of this crate. Used by: `contact`, `task`.
+//! Imports: no other room. Used by: `contact`, `task`.
 
 pub mod anderson;
 pub mod cholesky;

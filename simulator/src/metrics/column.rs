@@ -47,21 +47,21 @@ impl Cost {
 pub enum Distance {
     /// Root mean square distance of the base, m.
     PositionRms,
-    /// Root mean square difference of the joint positions.
+    /// Root mean square difference of the joint positions, rad or m.
     JointRms,
     /// Root mean square difference of the contact forces, N.
     ForceRms,
-    /// Share of instants with equal contact states.
+    /// Share of equal contact states, over instants and soles.
     StateAgreement,
-    /// Distance of the base at the end, m.
+    /// Distance of the base at the last instant that both reached, m.
     FinalPosition,
-    /// Angle between the bases at the end, rad.
+    /// Angle between the bases at the last instant that both reached, rad.
     FinalRotation,
     /// Root mean square distance of the objects, m.
     ObjectPositionRms,
-    /// Root mean square difference of the positions of the objects' joints.
+    /// Root mean square difference of the positions of the objects' joints, rad or m.
     ObjectJointRms,
-    /// Largest distance of an object at the end, m.
+    /// Largest distance of an object at the last instant that both reached, m.
     FinalObjectPosition,
 }
 

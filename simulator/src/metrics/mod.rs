@@ -10,7 +10,7 @@
 //! `sim` fills [`Metrics`]; `scenario` uses the names for `[[expect]]`; `results` writes records
 //! and summaries.
 //!
-//! Imports: nothing of this crate. Used by: `scenario`, `sim`, `results`, `report`.
+//! Imports: no other room. Used by: `scenario`, `sim`, `results`, `report`.
 
 pub mod column;
 mod kind;

@@ -38,7 +38,7 @@ pub enum Value {
     Datetime(String),
     /// An array.
     Array(Vec<Node>),
-    /// A table, in braces or with a heading.
+    /// A table.
     Table(Vec<Entry>),
 }
 
@@ -106,7 +106,7 @@ impl Node {
         self.entry(key).map(|e| &e.node)
     }
 
-    /// The value of a key of a table.
+    /// The value of a key of a table, to change it.
     pub fn get_mut(&mut self, key: &str) -> Option<&mut Node> {
         let Value::Table(entries) = &mut self.value else { return None };
         entries.iter_mut().find(|e| e.key == key).map(|e| &mut e.node)

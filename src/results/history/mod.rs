@@ -12,7 +12,7 @@
 //!   same for the terminal.
 //! - `curves`: the values of a metric over the results, for the report.
 //!
-//! Imports `compare`, `claims`, `statistics`, `files`, `metrics` and `text`. `runner compare` and
+//! Imports `compare`, `claims`, `statistics`, `files`, `input`, `metrics` and `text`. `runner compare` and
 //! `runner report` call it.
 
 mod append;

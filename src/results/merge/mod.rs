@@ -5,7 +5,7 @@
 //! copies of one run are equal. Lists and records are read one by one, so memory grows by 8 bytes per
 //! run.
 //!
-//! Imports `results::{record, summary, discovery}` and `files`. `runner merge` calls it.
+//! Imports `results::{record, summary, discovery}`, `files` and `input`. `runner merge` calls it.
 
 mod copy_run;
 mod merge_error;

@@ -1,7 +1,7 @@
 //! The record of one run, `run.json`: its inputs, outcome, metrics, verdicts, and distance from its
 //! reference run.
 //!
-//! Imports `files` and `metrics`, and `sim` for outcomes. The rest of `results` reads and writes
+//! Imports `files`, `input` and `metrics`, and `sim` for outcomes. The rest of `results` reads and writes
 //! records.
 
 mod comparison;
