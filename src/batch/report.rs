@@ -96,9 +96,4 @@ impl Report {
     pub fn has_open_search(&self) -> bool {
         !self.is_part && self.searches.iter().any(|search| search.verdict != SearchVerdict::Found)
     }
-
-    /// Summary rows of the runs in `finished`.
-    pub fn rows(&self) -> Vec<SummaryRow> {
-        self.finished.iter().map(|f| f.row.clone()).collect()
-    }
 }
