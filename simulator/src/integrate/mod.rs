@@ -18,6 +18,7 @@ pub mod rosenbrock;
 pub mod runge_kutta;
 pub mod step_control;
 pub mod stiff_part;
+pub mod stiff_solver;
 
 pub use bs23::BS23;
 pub use dopri5::DOPRI5;
@@ -27,6 +28,7 @@ pub use rosenbrock::Rosenbrock;
 pub use runge_kutta::{RungeKutta, Tableau};
 pub use step_control::StepControl;
 pub use stiff_part::StiffPart;
+pub use stiff_solver::StiffSolver;
 
 /// A system of ordinary differential equations dy/dt = f(t, y).
 pub trait System {

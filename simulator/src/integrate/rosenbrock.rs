@@ -2,12 +2,9 @@
 //!
 //! ```text
 //! (1 - h g A) k_i = h g f(t + a_i h, y + sum_j a_ij k_j) + sum_j<i c_ij k_j + h^2 g g_i T      y1 = y + sum_i b_i k_i
-//! A = N + sum_r u_r v_r^T      N N = 0      (1 - h g N)^-1 = 1 + h g N
-//! (1 - h g A)^-1 x = (1 + h g N) (x + h g U S^-1 V^T (1 + h g N) x)      S = 1 - h g V^T (1 + h g N) U
 //! ```
 //!
-//! N has the rates of positions by velocities, without which the stiffness of a spring would be explicit. T is the
-//! derivative of the stiff part by time, such as of a servo whose command moves: without it the error of an inexact A
+//! A is a [`StiffPart`](super::StiffPart) with rows v_r. T is the derivative of the stiff part by time, such as of a servo whose command moves: without it the error of an inexact A
 //! is a hundred times as high. The k_i are the u_i of [Hairer 1996], section IV.7, which need no product with A; c_ij is
 //! theirs times g.
 //!
@@ -20,8 +17,7 @@
 //! TSROSWRA34PW2; unlike a Hermite interpolant it does not use derivatives at the end of the step, in which stiffness
 //! amplifies errors.
 
-use super::stiff_part::{StiffPart, sparse_dot};
-use super::{System, error_norm};
+use super::{StiffSolver, System, error_norm};
 use std::ops::Range;
 
 const STAGES: usize = 4;
@@ -58,8 +54,6 @@ const DENSE: [[f64; 3]; STAGES] = [
 /// The method with its scratch, allocated once.
 #[derive(Clone, Debug)]
 pub struct Rosenbrock {
-    /// The stiff part for the steps from the last start.
-    pub stiff: StiffPart,
     k: [Vec<f64>; STAGES],
     stage: Vec<f64>,
     slope: Vec<f64>,
@@ -67,52 +61,32 @@ pub struct Rosenbrock {
     start: Vec<f64>,
     /// Solution at the end of the last attempt.
     pub end: Vec<f64>,
-    /// The factors of the transpose of S by rows, with the inverse diagonal of U, its pivots, and a right side.
-    small: Vec<f64>,
-    pivots: Vec<usize>,
-    right: Vec<f64>,
-    h: f64,
 }
 
 impl Rosenbrock {
-    /// Allocates for systems of `n` equations with a stiff part of up to `rank` products.
-    pub fn new(n: usize, rank: usize) -> Self {
+    /// Allocates for systems of `n` equations.
+    pub fn new(n: usize) -> Self {
         Rosenbrock {
-            stiff: StiffPart::new(n, rank),
             k: std::array::from_fn(|_| vec![0.0; n]),
             stage: vec![0.0; n],
             slope: vec![0.0; n],
             first: vec![0.0; n],
             start: vec![0.0; n],
             end: vec![0.0; n],
-            small: vec![0.0; rank * rank],
-            pivots: vec![0; rank],
-            right: vec![0.0; rank],
-            h: 0.0,
-        }
-    }
-
-    /// Makes room for a stiff part of `rank` products.
-    pub fn reserve(&mut self, rank: usize) {
-        if rank > self.right.len() {
-            self.stiff.reserve(rank);
-            self.small.resize(rank * rank, 0.0);
-            self.pivots.resize(rank, 0);
-            self.right.resize(rank, 0.0);
         }
     }
 
     /// Sets the start of a step and the derivative there; needed before
-    /// [`attempt`](Self::attempt) whenever t or y changed. The stiff part is set by the caller.
+    /// [`attempt`](Self::attempt) whenever t or y changed.
     pub fn begin(&mut self, y: &[f64], slope: &[f64]) {
         self.start.copy_from_slice(y);
         self.first.copy_from_slice(slope);
     }
 
-    /// Tries a step of size `h`. The result is in `end`, where the system is not evaluated.
-    pub fn attempt(&mut self, system: &mut impl System, t: f64, h: f64) {
-        self.h = h;
-        self.factorize(h * GAMMA);
+    /// Tries a step of size `h` with the stiff part of `solver`. The result is in `end`, where the system is not
+    /// evaluated.
+    pub fn attempt(&mut self, solver: &mut StiffSolver, system: &mut impl System, t: f64, h: f64) {
+        solver.factorize(h * GAMMA);
         for s in 0..STAGES {
             let (done, rest) = self.k.split_at_mut(s);
             let k = &mut rest[0];
@@ -127,11 +101,11 @@ impl Rosenbrock {
                 }
             }
             let share = h * h * GAMMA * G[s];
-            k.iter_mut().zip(&self.stiff.by_time).for_each(|(k, t)| *k += share * t);
+            k.iter_mut().zip(&solver.stiff.by_time).for_each(|(k, t)| *k += share * t);
             if s == STAGES - 1 {
                 self.end.copy_from_slice(&self.stage);
             }
-            self.solve(s);
+            solver.solve(k);
         }
         self.end.iter_mut().zip(&self.k[STAGES - 1]).for_each(|(y, k)| *y += k);
     }
@@ -146,70 +120,6 @@ impl Rosenbrock {
     pub fn interpolate(&self, theta: f64, out: &mut [f64]) {
         let weights = DENSE.map(|[a, b, c]| theta * (a + theta * (b + theta * c)));
         combine(&self.start, &weights, &self.k, out);
-    }
-
-    /// Factorises the transpose of S, `S^T = P L U`, so that solves add multiples of rows.
-    fn factorize(&mut self, hg: f64) {
-        let n = self.stiff.rank;
-        let [direct, by_rates] = &self.stiff.products;
-        for (r, (direct, by_rates)) in direct.chunks_exact(n.max(1)).zip(by_rates.chunks_exact(n.max(1))).enumerate() {
-            for (c, (direct, by_rates)) in direct.iter().zip(by_rates).enumerate() {
-                self.small[c * n + r] = -hg * (direct + hg * by_rates);
-            }
-            self.small[r * n + r] += 1.0;
-        }
-        for c in 0..n {
-            let pivot = (c..n).max_by(|a, b| self.small[a * n + c].abs().total_cmp(&self.small[b * n + c].abs()));
-            self.pivots[c] = pivot.unwrap_or(c);
-            let (upper, lower) = self.small[..n * n].split_at_mut((c + 1) * n);
-            let upper = &mut upper[c * n..];
-            if self.pivots[c] > c {
-                upper.swap_with_slice(&mut lower[(self.pivots[c] - c - 1) * n..][..n]);
-            }
-            let inverse = 1.0 / upper[c];
-            for row in lower.chunks_exact_mut(n) {
-                let factor = row[c] * inverse;
-                row[c] = factor;
-                row[c + 1..].iter_mut().zip(&upper[c + 1..]).for_each(|(x, u)| *x -= factor * u);
-            }
-            upper[c] = inverse;
-        }
-    }
-
-    /// Replaces k_s by `(1 - h g A)^-1 k_s`.
-    fn solve(&mut self, s: usize) {
-        let n = self.stiff.rank;
-        let hg = self.h * GAMMA;
-        let x = &mut self.k[s];
-        // Positions of x + h g N x are those in which the rows see it.
-        self.stiff.add_rates(hg, x);
-        for (right, row) in self.right.iter_mut().zip(&self.stiff.rows).take(n) {
-            *right = sparse_dot(row, x);
-        }
-        // S = U^T L^T P^T.
-        for r in 0..n {
-            let (row, rest) = (&self.small[r * n..(r + 1) * n], &mut self.right[r..n]);
-            let y = rest[0] * row[r];
-            rest[0] = y;
-            rest[1..].iter_mut().zip(&row[r + 1..]).for_each(|(x, u)| *x -= y * u);
-        }
-        for r in (0..n).rev() {
-            let z = self.right[r];
-            let row = &self.small[r * n..r * n + r];
-            self.right[..r].iter_mut().zip(row).for_each(|(x, l)| *x -= z * l);
-        }
-        for c in (0..n).rev() {
-            self.right.swap(c, self.pivots[c]);
-        }
-        if self.stiff.rates.is_empty() {
-            self.stiff.add_columns(hg, &self.right, x);
-            return;
-        }
-        let change = &mut self.stage;
-        change.fill(0.0);
-        self.stiff.add_columns(hg, &self.right, change);
-        self.stiff.add_rates(hg, change);
-        x.iter_mut().zip(change).for_each(|(x, change)| *x += *change);
     }
 }
 
@@ -249,24 +159,24 @@ mod tests {
     }
 
     /// One product as the stiff part.
-    fn set(method: &mut Rosenbrock, u: &[f64], v: &[f64]) {
-        let (row, column) = method.stiff.add().unwrap();
+    fn set(solver: &mut StiffSolver, u: &[f64], v: &[f64]) {
+        let (row, column) = solver.stiff.add().unwrap();
         row.extend(v.iter().copied().enumerate());
         column.copy_from_slice(u);
-        method.stiff.complete();
+        solver.stiff.complete();
     }
 
     /// End after `n` steps over [0, 1], with any matrix of rank one as the stiff part, and the
     /// dense output in the middle of the first step.
     fn run(system: &mut impl System, y: &[f64], n: usize, u: &[f64], v: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let mut method = Rosenbrock::new(y.len(), 1);
-        set(&mut method, u, v);
+        let (mut method, mut solver) = (Rosenbrock::new(y.len()), StiffSolver::new(y.len(), 1));
+        set(&mut solver, u, v);
         let mut y = y.to_vec();
         let mut middle = y.clone();
         let h = 1.0 / n as f64;
         for i in 0..n {
             begin(&mut method, system, i as f64 * h, &y);
-            method.attempt(system, i as f64 * h, h);
+            method.attempt(&mut solver, system, i as f64 * h, h);
             if i == 0 {
                 method.interpolate(0.5, &mut middle);
             }
@@ -295,12 +205,12 @@ mod tests {
         let error = |n: usize| {
             let middle = run(&mut Smooth, &[0.2, 0.5], n, &u, &v).1;
             let h = 0.5 / n as f64;
-            let mut fine = Rosenbrock::new(2, 1);
+            let mut fine = Rosenbrock::new(2);
             let mut y = vec![0.2, 0.5];
             for i in 0..64 {
                 let t = i as f64 * h / 64.0;
                 begin(&mut fine, &mut Smooth, t, &y);
-                fine.attempt(&mut Smooth, t, h / 64.0);
+                fine.attempt(&mut StiffSolver::new(2, 1), &mut Smooth, t, h / 64.0);
                 y.copy_from_slice(&fine.end);
             }
             (y[0] - middle[0]).abs().max((y[1] - middle[1]).abs())
@@ -323,17 +233,17 @@ mod tests {
         // 20 and 5 a step, of which the stiff part has 99 %.
         let error = |n: usize, uses_time: bool| {
             let (rate, h) = (-1e3, 1.0 / n as f64);
-            let mut method = Rosenbrock::new(1, 1);
+            let (mut method, mut solver) = (Rosenbrock::new(1), StiffSolver::new(1, 1));
             let mut y = vec![0.0];
             for i in 0..n {
                 let t = i as f64 * h;
-                method.stiff.clear();
-                set(&mut method, &[0.99 * rate], &[1.0]);
+                solver.stiff.clear();
+                set(&mut solver, &[0.99 * rate], &[1.0]);
                 if uses_time {
-                    method.stiff.add_by_time(0, -t.cos());
+                    solver.stiff.add_by_time(0, -t.cos());
                 }
                 begin(&mut method, &mut Prothero(rate), t, &y);
-                method.attempt(&mut Prothero(rate), t, h);
+                method.attempt(&mut solver, &mut Prothero(rate), t, h);
                 y.copy_from_slice(&method.end);
             }
             (y[0] - 1f64.sin()).abs()
@@ -362,10 +272,10 @@ mod tests {
         let (rate, start) = (-1e6, 0.3f64);
         let distance = |row: [f64; 2]| {
             let mut system = Groove { rate, width: 1e-3 };
-            let mut method = Rosenbrock::new(2, 1);
-            set(&mut method, &[0.0, rate], &row);
+            let (mut method, mut solver) = (Rosenbrock::new(2), StiffSolver::new(2, 1));
+            set(&mut solver, &[0.0, rate], &row);
             begin(&mut method, &mut system, 0.0, &[start, start.sin()]);
-            method.attempt(&mut system, 0.0, 0.01);
+            method.attempt(&mut solver, &mut system, 0.0, 0.01);
             (method.end[1] - method.end[0].sin()).abs()
         };
         // Curvature moves the stages off the solution by less than h^2 = 1e-4, a tenth of the width;
@@ -388,14 +298,14 @@ mod tests {
 
     /// Distance from sin t after `n` steps of 0.01 s, from 1e-3 off.
     fn springs_apart(spring: &mut Spring, rates: &[(usize, usize, f64)], n: usize) -> f64 {
-        let mut method = Rosenbrock::new(2, 1);
-        method.stiff.rates.extend_from_slice(rates);
-        set(&mut method, &[0.0, -1.0], &[spring.w * spring.w, 2.0 * spring.z * spring.w]);
+        let (mut method, mut solver) = (Rosenbrock::new(2), StiffSolver::new(2, 1));
+        solver.stiff.rates.extend_from_slice(rates);
+        set(&mut solver, &[0.0, -1.0], &[spring.w * spring.w, 2.0 * spring.z * spring.w]);
         let mut y = vec![1e-3, 1.0];
         for i in 0..n {
             let t = 0.01 * i as f64;
             begin(&mut method, spring, t, &y);
-            method.attempt(spring, t, 0.01);
+            method.attempt(&mut solver, spring, t, 0.01);
             y.copy_from_slice(&method.end);
         }
         (y[0] - (0.01 * n as f64).sin()).abs()
@@ -411,56 +321,11 @@ mod tests {
     }
 
     #[test]
-    fn the_rate_bound_is_that_of_springs_and_dampers() {
-        for (w, z) in [(100.0, 0.0), (100.0, 50.0)] {
-            let mut method = Rosenbrock::new(2, 1);
-            method.stiff.rates.push((0, 1, 1.0));
-            set(&mut method, &[0.0, -1.0], &[w * w, 2.0 * z * w]);
-            // The greater root of x^2 = 2 z w x + w^2, at most 1 + 1/(4 z^2) of the fastest eigenvalue.
-            let bound = z * w + (z * z * w * w + w * w).sqrt();
-            assert!((method.stiff.rate_bound() / bound - 1.0).abs() < 1e-12);
-        }
-    }
-
-    #[test]
-    fn solves_invert_the_matrix_of_several_products() {
-        // Columns in different places, one zero, and rows that see the rates.
-        let columns = [[0.0, 0.0, 0.3, -2.0, 0.0], [0.0, 0.0, 4.0, 0.0, 1.5], [0.0; 5], [0.0, 0.0, 0.0, 0.7, -3.0]];
-        let rows = [[2.0, 0.0, -1.0, 0.0, 0.5], [0.0, -3.0, 0.0, 0.4, 0.0], [1.0; 5], [0.6, 0.0, 0.0, -9.0, 0.0]];
-        let mut method = Rosenbrock::new(5, 4);
-        // Not in the order of the rows.
-        method.stiff.rates.extend([(1, 3, 0.8), (0, 2, 1.1), (1, 2, -0.4)]);
-        let mut a = [[0.0; 5]; 5];
-        method.stiff.rates.iter().for_each(|(to, from, value)| a[*to][*from] = *value);
-        for (column, row) in columns.iter().zip(&rows) {
-            let (entries, u) = method.stiff.add().unwrap();
-            entries.extend(row.iter().copied().enumerate().filter(|(_, x)| *x != 0.0));
-            u.copy_from_slice(column);
-            for (i, u) in column.iter().enumerate() {
-                a[i].iter_mut().zip(row).for_each(|(a, v)| *a += u * v);
-            }
-        }
-        method.stiff.complete();
-        method.h = 0.9;
-        let hg = method.h * GAMMA;
-        method.factorize(hg);
-        let x = [0.3, -1.2, 2.0, 0.7, -0.1];
-        method.k[0].copy_from_slice(&x);
-        method.solve(0);
-        let k = &method.k[0];
-        for i in 0..5 {
-            let product: f64 = a[i].iter().zip(k).map(|(a, k)| a * k).sum();
-            // Rounding.
-            assert!((k[i] - hg * product - x[i]).abs() < 1e-13, "{i}: {k:?}");
-        }
-    }
-
-    #[test]
     fn error_estimate_shrinks_with_the_third_power_of_the_step() {
         let estimate = |h: f64| {
-            let mut method = Rosenbrock::new(2, 1);
+            let (mut method, mut solver) = (Rosenbrock::new(2), StiffSolver::new(2, 1));
             begin(&mut method, &mut Smooth, 0.0, &[0.2, 0.5]);
-            method.attempt(&mut Smooth, 0.0, h);
+            method.attempt(&mut solver, &mut Smooth, 0.0, h);
             method.error((0.0, 1.0), [0..1, 1..2].into_iter())
         };
         let order = (estimate(0.02) / estimate(0.01)).log2();

@@ -1,4 +1,4 @@
-//! The stiff part of a Jacobian, of low rank, for [`Rosenbrock`](super::Rosenbrock), whose symbols it has.
+//! The stiff part of a Jacobian, of low rank, for [`StiffSolver`](super::StiffSolver), whose symbols it has.
 
 use crate::math;
 use std::ops::Range;
@@ -191,4 +191,24 @@ impl StiffPart {
 
 pub(super) fn sparse_dot(row: &[(usize, f64)], x: &[f64]) -> f64 {
     row.iter().map(|(i, v)| v * x[*i]).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rate_bound_is_that_of_springs_and_dampers() {
+        for (w, z) in [(100.0, 0.0), (100.0, 50.0)] {
+            let mut part = StiffPart::new(2, 1);
+            part.rates.push((0, 1, 1.0));
+            let (row, column) = part.add().unwrap();
+            row.extend([(0, w * w), (1, 2.0 * z * w)]);
+            column.copy_from_slice(&[0.0, -1.0]);
+            part.complete();
+            // The greater root of x^2 = 2 z w x + w^2, at most 1 + 1/(4 z^2) of the fastest eigenvalue.
+            let bound = z * w + (z * z * w * w + w * w).sqrt();
+            assert!((part.rate_bound() / bound - 1.0).abs() < 1e-12);
+        }
+    }
 }

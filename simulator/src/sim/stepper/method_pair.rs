@@ -18,7 +18,7 @@
 //! Steps in which friction alone is implicit are limited by the forces where h times a bound of their rates is.
 
 use super::step_size::StepSize;
-use crate::integrate::{Rosenbrock, RungeKutta, StepControl, Tableau};
+use crate::integrate::{Rosenbrock, RungeKutta, StepControl, StiffSolver, Tableau};
 use crate::sim::plant::Plant;
 use crate::sim::plant::friction_stiffness::MOST_VERTICES;
 use crate::sim::plant::implicit_forces::ImplicitForces;
@@ -69,6 +69,8 @@ const MOST_WAITING: u32 = 64;
 pub struct MethodPair {
     explicit: RungeKutta,
     stiff: Rosenbrock,
+    /// Linear systems of its steps.
+    solver: StiffSolver,
     is_stiff: bool,
     /// Sizes of Rosenbrock steps; none without error control.
     stiff_size: Option<StepSize>,
@@ -121,7 +123,8 @@ impl MethodPair {
         };
         MethodPair {
             explicit: RungeKutta::new(method, n),
-            stiff: Rosenbrock::new(n, MOST_VERTICES),
+            stiff: Rosenbrock::new(n),
+            solver: StiffSolver::new(n, MOST_VERTICES),
             is_stiff: false,
             stiff_size,
             resumes: false,
@@ -183,10 +186,10 @@ impl MethodPair {
         if !(estimate > 0.0) || estimate < MODERATE && h > SHORT {
             return h;
         }
-        self.stiff.stiff.clear();
-        plant.friction_stiffness(&mut self.stiff.stiff);
-        self.stiff.stiff.complete();
-        let limit = STABLE / self.stiff.stiff.rate();
+        self.solver.stiff.clear();
+        plant.friction_stiffness(&mut self.solver.stiff);
+        self.solver.stiff.complete();
+        let limit = STABLE / self.solver.stiff.rate();
         // Size of a Rosenbrock step: the one stored, or, after a transient in which explicit steps
         // were the longer ones, twice their limit once they have reached it.
         let resumes = !(limit <= stiff);
@@ -205,10 +208,10 @@ impl MethodPair {
         let renew = implicit.forces.find(plant) || is_new || implicit.age >= KEPT;
         if renew {
             // Forces and polygons of the floor may be others now.
-            self.stiff.reserve(implicit.forces.most_products(plant) + MOST_VERTICES);
-            implicit.forces.renew(plant, &mut self.stiff.stiff);
+            self.solver.reserve(implicit.forces.most_products(plant) + MOST_VERTICES);
+            implicit.forces.renew(plant, &mut self.solver.stiff);
         }
-        let stiff = &mut self.stiff.stiff;
+        let stiff = &mut self.solver.stiff;
         implicit.forces.write(plant, stiff);
         implicit.age = if renew { 0 } else { implicit.age + 1 };
         let mut is_complete = false;
@@ -240,7 +243,7 @@ impl MethodPair {
     /// Tries a step of size `h`. Explicit steps leave the system at its end.
     pub fn attempt(&mut self, plant: &mut Plant, t: f64, h: f64) {
         match self.is_stiff {
-            true => self.stiff.attempt(plant, t, h),
+            true => self.stiff.attempt(&mut self.solver, plant, t, h),
             false => self.explicit.attempt(plant, t, h),
         }
     }
