@@ -1,11 +1,11 @@
-//! Stiff servos with `dopri5`, `rosenbrock` and `auto`: processor time per simulated time of a continuing run.
+//! Stiff servos with `dopri5`, `rosenbrock`, `bdf` and `auto`: processor time per simulated time of a continuing run.
 
 use super::interleaved::{Values, rounds};
 use crate::standing::{self, Servos, Standing};
 use cpu_time::ThreadTime;
 use stiction::sim::{NullObserver, Simulation};
 
-const METHODS: [&str; 3] = ["dopri5", "rosenbrock", "auto"];
+const METHODS: [&str; 4] = ["dopri5", "rosenbrock", "bdf", "auto"];
 const ROUNDS: usize = 5;
 /// One period of the arms, s.
 const SLICE: f64 = 1.0;
@@ -55,8 +55,8 @@ pub fn print() {
     println!(
         "\n## Stiff drives, us of one core per simulated ms: minimum (median); ratios: median (least to greatest)\n"
     );
-    println!("| robot | motion | {} | dopri5 / rosenbrock | dopri5 / auto |", METHODS.join(" | "));
-    println!("|---|---|---|---|---|---|---|");
+    println!("| robot | motion | {} | dopri5 / rosenbrock | dopri5 / bdf | dopri5 / auto |", METHODS.join(" | "));
+    println!("|---|---|---|---|---|---|---|---|---|");
     for robot in &standing::robots() {
         for motion in &MOTIONS {
             row(robot, motion);
@@ -76,10 +76,10 @@ fn row(robot: &Standing, motion: &Motion) {
     };
     let times = rounds(1, ROUNDS, &mut METHODS.map(case));
     let of = |value: &dyn Fn(&[f64]) -> f64| Values::new(times.iter().map(|round| value(round)).collect());
-    let cells = [0, 1, 2].map(|i| {
+    let cells = [0, 1, 2, 3].map(|i| {
         let values = of(&|round| round[i]);
         format!("{:.1} ({:.1})", values.min(), values.median())
     });
-    let ratios = [1, 2].map(|i| of(&|round| round[0] / round[i]).to_string());
+    let ratios = [1, 2, 3].map(|i| of(&|round| round[0] / round[i]).to_string());
     println!("| {} | {} | {} | {} |", robot.name, motion.name, cells.join(" | "), ratios.join(" | "));
 }

@@ -229,7 +229,8 @@ fn integrator(spec: &IntegratorSpec) -> IntegratorSetup {
     };
     match spec.method {
         IntegratorMethod::Dopri5 => controlled(&DOPRI5, ImplicitSteps::Never),
-        IntegratorMethod::Rosenbrock => controlled(&DOPRI5, ImplicitSteps::Always),
+        IntegratorMethod::Rosenbrock => controlled(&DOPRI5, ImplicitSteps::Rosenbrock),
+        IntegratorMethod::Bdf => controlled(&DOPRI5, ImplicitSteps::Bdf),
         IntegratorMethod::Auto => controlled(&DOPRI5, ImplicitSteps::Auto),
         IntegratorMethod::Bs23 => controlled(&BS23, ImplicitSteps::Never),
         IntegratorMethod::Rk4 => IntegratorSetup::Stepped { method: &RK4, step: spec.step },
@@ -244,9 +245,11 @@ fn integrator(spec: &IntegratorSpec) -> IntegratorSetup {
 fn rest_speed(run: &Run) -> f64 {
     let spec = &run.scenario.integrator;
     let unresolved = match spec.method {
-        IntegratorMethod::Dopri5 | IntegratorMethod::Rosenbrock | IntegratorMethod::Auto | IntegratorMethod::Bs23 => {
-            10.0 * spec.absolute_tolerance
-        }
+        IntegratorMethod::Dopri5
+        | IntegratorMethod::Rosenbrock
+        | IntegratorMethod::Bdf
+        | IntegratorMethod::Auto
+        | IntegratorMethod::Bs23 => 10.0 * spec.absolute_tolerance,
         IntegratorMethod::Rk4 => 1e3 * math::powi(spec.step, 4),
         IntegratorMethod::SemiImplicit => return 1e-9,
     };

@@ -1,7 +1,7 @@
 //! Checks that contact method, integrator, restitution and imposed states can be combined. The
 //! [`MethodDescriptor`] of each method gives its combinations:
 //!
-//! | | `dopri5`, `rosenbrock`, `auto` | `bs23` | `rk4` | `semi-implicit` | `restitution` | `forced` | `torsional`, `rolling` |
+//! | | `dopri5`, `rosenbrock`, `bdf`, `auto` | `bs23` | `rk4` | `semi-implicit` | `restitution` | `forced` | `torsional`, `rolling` |
 //! |---|---|---|---|---|---|---|---|
 //! | `exact` | x | x | x | x | where events are located | x | x |
 //! | `one-step` | x | x | x | x | | x | x |
@@ -16,6 +16,7 @@ use crate::scenario::{Diagnostic, Friction, IntegratorMethod, Run, Scenario};
 const LOCATING: &[IntegratorMethod] = &[
     IntegratorMethod::Dopri5,
     IntegratorMethod::Rosenbrock,
+    IntegratorMethod::Bdf,
     IntegratorMethod::Auto,
     IntegratorMethod::Bs23,
     IntegratorMethod::Rk4,

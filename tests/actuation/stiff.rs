@@ -36,12 +36,12 @@ fn an_overdamped_servo_approaches_as_its_closed_form_in_few_steps() {
     let (kp, kd) = (2e6, 4e4);
     let a = Matrix3::new(0.0, 1.0, 0.0, -kp / INERTIA, -kd / INERTIA, 0.0, 0.0, 0.0, 0.0);
     let servo = format!("kp = {kp}, kd = {kd}, effort = 1e9");
-    for tolerance in [1e-5, 1e-7] {
-        let (m, seen) = turned("rosenbrock", tolerance, &servo);
+    for (method, tolerance) in [("rosenbrock", 1e-5), ("rosenbrock", 1e-7), ("bdf", 1e-5), ("bdf", 1e-7)] {
+        let (m, seen) = turned(method, tolerance, &servo);
         let error = distance(&seen, a, Vector3::new(-1.0, 0.0, 0.0));
         // Errors of the steps add up over the rise; the log's dense output is of order 2.
-        assert!(error < 10.0 * tolerance, "{error}");
-        assert!(m.steps < 20.0f64.mul_add(tolerance.powf(-1.0 / 3.0), 100.0) as u64, "{}", m.steps);
+        assert!(error < 10.0 * tolerance, "{method} {error}");
+        assert!(m.steps < 20.0f64.mul_add(tolerance.powf(-1.0 / 3.0), 100.0) as u64, "{method} {}", m.steps);
     }
 }
 
@@ -50,12 +50,14 @@ fn a_lagging_servo_follows_its_linear_equations() {
     // A rate of 1e5 1/s, at which the effort follows.
     let (kp, kd, lag) = (400.0, 40.0, 1e-5);
     let a = Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0 / INERTIA, -kp / lag, -kd / lag, -1.0 / lag);
-    let (m, seen) = turned("rosenbrock", 1e-7, &format!("kp = {kp}, kd = {kd}, lag = {lag}, effort = 1e9"));
-    // The effort begins as that of the servo's first command.
-    let error = distance(&seen, a, Vector3::new(-1.0, 0.0, kp));
-    assert!(error < 1e-6, "{error}");
-    // Explicit steps of at most 3e-5 s would be 15 000.
-    assert!(m.steps < 1500, "{}", m.steps);
+    for method in ["rosenbrock", "bdf"] {
+        let (m, seen) = turned(method, 1e-7, &format!("kp = {kp}, kd = {kd}, lag = {lag}, effort = 1e9"));
+        // The effort begins as that of the servo's first command.
+        let error = distance(&seen, a, Vector3::new(-1.0, 0.0, kp));
+        assert!(error < 1e-6, "{method} {error}");
+        // Explicit steps of at most 3e-5 s would be 15 000.
+        assert!(m.steps < 1500, "{method} {}", m.steps);
+    }
 }
 
 #[test]
@@ -117,8 +119,8 @@ fn auto_becomes_implicit_where_friction_is_stiff_too() {
     assert!(auto < implicit + 100 && implicit < 100, "{auto} {implicit}");
 }
 
-/// HOAP-2 swings its arms as in `scenarios/studies/work-precision-servo.toml`. Steps of `rosenbrock` are
-/// little longer than stable explicit ones.
+/// HOAP-2 swings its arms as in `scenarios/studies/work-precision-servo.toml`. Implicit steps are little longer than
+/// stable explicit ones.
 #[test]
 fn auto_does_not_resume_explicit_steps_that_stability_would_limit() {
     let steps = |method: &str| {
@@ -137,7 +139,7 @@ fn auto_does_not_resume_explicit_steps_that_stability_would_limit() {
         );
         run(&text).steps
     };
-    let (auto, implicit) = (steps("auto"), steps("rosenbrock"));
+    let (auto, implicit) = (steps("auto"), steps("bdf"));
     // Explicit steps of half this size would make them 1.5 times as many.
     assert!(10 * auto < 11 * implicit, "{auto} {implicit}");
 }
@@ -180,8 +182,10 @@ fn interpolated_commands_are_continuous_between_ticks() {
     assert!((held - 0.03).abs() < 0.01, "{held}");
     assert!(3 * steps < 2 * of_held, "{steps} {of_held}");
     // With its tolerance of 1e-6 of 9 rad.
-    let (implicit, _) = following("method = \"rosenbrock\"", "cubic");
-    assert!(implicit < 1e-5, "{implicit}");
+    for method in ["rosenbrock", "bdf"] {
+        let (implicit, _) = following(&format!("method = \"{method}\""), "cubic");
+        assert!(implicit < 1e-5, "{method} {implicit}");
+    }
     // Semi-implicit steps meet them too: the order is 1.
     let end = |h: f64| following(&format!("method = \"semi-implicit\", step = {h}"), "cubic").0;
     let (coarse, fine) = (end(1e-3), end(5e-4));
@@ -213,13 +217,61 @@ fn a_standing_humanoid_with_stiff_servos_moves_as_with_explicit_steps() {
     for contact in ["exact", "one-step", "penalty"] {
         let (truth, _) = humanoid(tight, contact);
         let (explicit, of_explicit) = humanoid("method = \"dopri5\"", contact);
-        let (found, m) = humanoid("method = \"rosenbrock\"", contact);
         let error = |x: &[f64]| x.iter().zip(&truth).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        // Tolerance 1e-6 relative to speeds of 1 rad/s.
-        assert!(error(&found) < 1e-6, "{contact} {} {}", error(&found), error(&explicit));
-        assert!(3 * m.steps < of_explicit.steps, "{contact} {} {}", m.steps, of_explicit.steps);
-        assert!(m.max_energy_error_j < 1e-6 && m.inconsistent == 0, "{m:?}");
+        for method in ["rosenbrock", "bdf"] {
+            let (found, m) = humanoid(&format!("method = \"{method}\""), contact);
+            // Tolerance 1e-6 relative to speeds of 1 rad/s.
+            assert!(error(&found) < 1e-6, "{method} {contact} {} {}", error(&found), error(&explicit));
+            assert!(3 * m.steps < of_explicit.steps, "{method} {contact} {} {}", m.steps, of_explicit.steps);
+            assert!(m.max_energy_error_j < 1e-6 && m.inconsistent == 0, "{method} {m:?}");
+        }
     }
+}
+
+/// HOAP-2 swings its arms with stiff servos.
+#[test]
+fn smooth_motion_takes_fewer_evaluations_with_a_tenth_of_the_error() {
+    let end = |integrator: &str| {
+        let mut sim = runs::simulation(&format!(
+            "duration = 0.6
+            log.rate = 0
+            control.interpolation = \"continuous\"
+            integrator = {{ {integrator} }}
+            [robot]
+            model = \"robots/hoap2/hoap2.urdf\"
+            contact = \"soles\"
+            joint_default = {{ kp = 50, kd = 1 }}
+            [[task]]
+            type = \"sine\"
+            [task.joints]
+            left_shoulder_pitch = {{ amplitude = 0.05, frequency = 1.0 }}
+            right_shoulder_pitch = {{ amplitude = 0.05, frequency = 1.0 }}\n"
+        ));
+        let metrics = finish(&mut sim, &mut NullObserver);
+        let state = &sim.plant().state;
+        ([&state.joints[..], &state.v, state.position.as_slice()].concat(), metrics)
+    };
+    let tolerance = "relative_tolerance = 1e-6, absolute_tolerance = 1e-6";
+    let (truth, _) = end("relative_tolerance = 1e-10, absolute_tolerance = 1e-12");
+    let of = |method: &str| {
+        let (found, m) = end(&format!("method = \"{method}\", {tolerance}"));
+        (found.iter().zip(&truth).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max), m)
+    };
+    let ((rosenbrock, one), (smooth, two)) = (of("rosenbrock"), of("bdf"));
+    assert!(smooth < 0.1 * rosenbrock, "{smooth} {rosenbrock}");
+    assert!(two.evaluations < one.evaluations, "{one:?} {two:?}");
+    assert_eq!((two.inconsistent, two.state_changes), (0, one.state_changes));
+}
+
+#[test]
+fn a_smooth_step_needs_two_evaluations() {
+    let (end, m) = humanoid("method = \"bdf\"", "exact");
+    // The predicted end, and the end that the next step begins with. The first steps need two more each, as does the
+    // choice of states.
+    let others = m.evaluations as f64 - 2.0 * m.steps as f64 - m.rejected_steps as f64;
+    assert!((0.0..40.0).contains(&others) && m.steps > 500, "{m:?}");
+    let (logged, of_logged) = logged_humanoid("method = \"bdf\"", "exact", 700.0);
+    assert_eq!((&end, m.steps), (&logged, of_logged.steps));
 }
 
 /// The start of a step has been evaluated as the end of the step before, with the same bits as if it were evaluated anew:
@@ -257,16 +309,19 @@ fn a_stop_does_not_limit_the_steps() {
         let m = finish(&mut sim, &mut NullObserver);
         (sim.plant().state.joints[0], m.steps)
     };
-    let ((found, implicit), (truth, explicit)) = (end("rosenbrock"), end("dopri5"));
-    // At rest the spring carries the drive's 5 N m.
-    assert!((found - 0.5 - 5e-7).abs() < 1e-10 && (truth - found).abs() < 1e-10, "{found} {truth}");
-    assert!(10 * implicit < explicit, "{implicit} {explicit}");
+    let (truth, explicit) = end("dopri5");
+    for method in ["rosenbrock", "bdf"] {
+        let (found, implicit) = end(method);
+        // At rest the spring carries the drive's 5 N m.
+        assert!((found - 0.5 - 5e-7).abs() < 1e-10 && (truth - found).abs() < 1e-10, "{method} {found} {truth}");
+        assert!(10 * implicit < explicit, "{method} {implicit} {explicit}");
+    }
 }
 
 #[test]
 fn a_landing_is_located_with_implicit_steps() {
     let fall = (2.0 * 0.3f64 / 9.81).sqrt();
-    for method in ["rosenbrock", "auto"] {
+    for method in ["rosenbrock", "bdf", "auto"] {
         let m = run(&format!(
             "duration = 0.5
             log.rate = 0
@@ -295,7 +350,7 @@ fn a_compliant_floor_does_not_limit_the_steps() {
     let (truth, explicit) = stands("dopri5", 0.5);
     // Friction turns at mu_k N / (m s), 5e4 1/s for the light foot.
     assert!(explicit.steps > 5000, "{}", explicit.steps);
-    for integrator in ["rosenbrock", "auto"] {
+    for integrator in ["rosenbrock", "bdf", "auto"] {
         let (found, m) = stands(integrator, 0.5);
         // The absolute tolerance, over the oscillations of the landing.
         assert!((found - truth).norm() < 1e-8, "{integrator} {}", found - truth);

@@ -98,6 +98,38 @@ fn a_landing_on_a_corner_converges_with_the_order_of_its_integrator() {
     assert!(found[..4].iter().all(|x| x.abs() < 0.5), "{found:?}");
 }
 
+/// Backward differentiation formulas choose their order, so their errors are compared with the tolerance.
+#[test]
+fn errors_of_formulas_fall_with_the_tolerance() {
+    let pendulum = "duration = 1.0
+        [robot]
+        model = \"robots/pendulum/pendulum.urdf\"
+        soles = []
+        joint_default = { mode = \"passive\" }
+        posture = { shoulder = 1.2, elbow = 0.6 }
+        velocity = { shoulder = 1.0, elbow = -0.5 }\n";
+    let body = Body::new([0.1, 0.08, 0.05], 1.3);
+    let base =
+        "position = [0, 0, 0.2], rpy = [0.5, 0.4, 0], linear_velocity = [0.5, 0.2, -1], angular_velocity = [2, -3, 1]";
+    let landing = format!(
+        "duration = 0.1\nfloor = {{ friction = 3.0 }}\ncontact = {{ velocity_tolerance = 1e-6 }}\n{}",
+        body.robot(base)
+    );
+    for scenario in [pendulum, &landing] {
+        let truth = end(scenario, REFERENCE).0;
+        let of = |tolerance: f64| {
+            let keys = format!("method = \"bdf\", relative_tolerance = {tolerance}, absolute_tolerance = {tolerance}");
+            let (found, m) = end(scenario, &keys);
+            (apart(&found, &truth), m.evaluations)
+        };
+        for tolerance in [1e-4, 1e-6, 1e-8] {
+            // Speeds of some 4 rad/s; errors of steps add up.
+            let (error, _) = of(tolerance);
+            assert!(error < 10.0 * tolerance, "{tolerance} {error}");
+        }
+    }
+}
+
 #[test]
 fn a_slide_has_the_exact_length_with_every_integrator_that_locates_events() {
     // Constant deceleration is exact for all of them, so the error is that of the location of the

@@ -271,6 +271,7 @@ fn one_step_and_fixed_steps_have_both() {
         ("one-step", "integrator = { method = \"semi-implicit\", step = 1e-4 }"),
         ("exact", "integrator = { method = \"semi-implicit\", step = 1e-4 }"),
         ("exact", "integrator = { method = \"rosenbrock\" }"),
+        ("exact", "integrator = { method = \"bdf\" }"),
         ("exact", "integrator = { method = \"rk4\", step = 1e-3 }"),
     ] {
         let mut sim = simulation(&format!(

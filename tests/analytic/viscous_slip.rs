@@ -97,6 +97,7 @@ fn all_methods_have_viscous_slip() {
         ("lcp", "integrator = { method = \"semi-implicit\", step = 1e-4 }"),
         ("penalty", "integrator = { method = \"semi-implicit\", step = 1e-4 }"),
         ("penalty", "integrator = { method = \"rosenbrock\" }"),
+        ("penalty", "integrator = { method = \"bdf\" }"),
     ];
     for (method, integrator) in integrators {
         let mut sim = simulation(&format!(

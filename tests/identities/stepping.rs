@@ -49,9 +49,11 @@ fn without_allocations(drives: &str) {
         ("exact", "method = \"dopri5\""),
         ("exact", "method = \"bs23\""),
         ("exact", "method = \"rosenbrock\""),
+        ("exact", "method = \"bdf\""),
         ("exact", "method = \"auto\""),
         ("one-step", "method = \"rosenbrock\""),
         ("penalty", "method = \"rosenbrock\""),
+        ("penalty", "method = \"bdf\""),
         ("exact", "method = \"rk4\", step = 1e-3"),
         ("exact", "method = \"semi-implicit\", step = 1e-3"),
         ("one-step", "method = \"dopri5\""),
@@ -76,7 +78,12 @@ fn without_allocations(drives: &str) {
 /// Motors of an ankle at their limits, with friction and rotors.
 #[test]
 fn coupled_motors_allocate_nothing() {
-    for integrator in ["method = \"dopri5\"", "method = \"rosenbrock\"", "method = \"semi-implicit\", step = 1e-3"] {
+    for integrator in [
+        "method = \"dopri5\"",
+        "method = \"rosenbrock\"",
+        "method = \"bdf\"",
+        "method = \"semi-implicit\", step = 1e-3",
+    ] {
         let mut sim = simulation(&format!(
             "duration = 100.0
             integrator = {{ {integrator} }}

@@ -69,6 +69,8 @@ fn a_return_repeats_the_bits_of_each_method_and_integrator() {
         ("exact", "method = \"rk4\", step = 1e-4"),
         ("exact", "method = \"semi-implicit\", step = 1e-3"),
         ("exact", "method = \"rosenbrock\""),
+        ("exact", "method = \"bdf\""),
+        ("penalty", "method = \"bdf\""),
         ("exact", "method = \"auto\""),
         ("one-step", "method = \"dopri5\""),
         ("one-step", "method = \"semi-implicit\", step = 1e-3"),

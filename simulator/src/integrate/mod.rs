@@ -1,14 +1,16 @@
 //! Time integration of `dy/dt = f(t, y)`.
 //!
 //! A small [`System`] trait, explicit Runge-Kutta methods with dense output ([`RungeKutta`]; one
-//! [`Tableau`] per method: `dopri5`, `bs23`, `rk4`), a Rosenbrock method for a stiff part of low
-//! rank ([`Rosenbrock`]), step-size control ([`StepControl`], `error_norm`) and event location on dense
-//! output ([`event_location`]). A new explicit method is one file with a tableau.
+//! [`Tableau`] per method: `dopri5`, `bs23`, `rk4`), a Rosenbrock method and backward
+//! differentiation formulas for a stiff part of low rank ([`Rosenbrock`], [`Bdf`]), step-size
+//! control ([`StepControl`], `error_norm`) and event location on dense output ([`event_location`]). A
+//! new explicit method is one file with a tableau.
 //!
 //! `sim` steps with it, `assemble` chooses the tableau.
 //!
 //! Imports: `math`. Used by: `sim`, `assemble`.
 
+pub mod bdf;
 pub mod bs23;
 pub mod dopri5;
 pub mod error_norm;
@@ -20,6 +22,7 @@ pub mod step_control;
 pub mod stiff_part;
 pub mod stiff_solver;
 
+pub use bdf::Bdf;
 pub use bs23::BS23;
 pub use dopri5::DOPRI5;
 pub use error_norm::error_norm;

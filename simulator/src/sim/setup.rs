@@ -55,10 +55,12 @@ pub struct ContactSetup {
 pub enum ImplicitSteps {
     /// Never.
     Never,
-    /// While they limit the steps of the explicit method.
+    /// While they limit the steps of the explicit method, as with `Bdf`.
     Auto,
-    /// Always.
-    Always,
+    /// Always, by a Rosenbrock method.
+    Rosenbrock,
+    /// Always, by backward differentiation formulas where the motion is smooth, otherwise by a Rosenbrock method.
+    Bdf,
 }
 
 /// Time integration.
@@ -74,7 +76,7 @@ pub enum IntegratorSetup {
         absolute: f64,
         /// Largest step, s.
         max_step: f64,
-        /// When a Rosenbrock method takes steps with implicit forces instead.
+        /// When other methods take steps with implicit forces instead.
         implicit: ImplicitSteps,
     },
     /// A Runge-Kutta method in fixed steps, shortened only to end at an event.

@@ -255,7 +255,10 @@ pub enum IntegratorMethod {
     /// Rang and Angermann's Rosenbrock pair ROS34PW2 of order 3(2), adaptive: drives, joint friction and stops,
     /// springs and dampers are implicit and do not limit its steps.
     Rosenbrock,
-    /// `dopri5`, or `rosenbrock` while stiff forces limit the steps of `dopri5`.
+    /// Backward differentiation formulas of order 1 to 5, adaptive, with the same forces implicit: one evaluation a
+    /// step where the motion is smooth. `rosenbrock` takes the first steps after a jump.
+    Bdf,
+    /// `dopri5`, or `bdf` while stiff forces limit the steps of `dopri5`.
     Auto,
     /// Bogacki and Shampine's embedded Runge-Kutta pair of order 3(2), adaptive.
     Bs23,
@@ -271,6 +274,7 @@ impl IntegratorMethod {
         match self {
             IntegratorMethod::Dopri5 => "dopri5",
             IntegratorMethod::Rosenbrock => "rosenbrock",
+            IntegratorMethod::Bdf => "bdf",
             IntegratorMethod::Auto => "auto",
             IntegratorMethod::Bs23 => "bs23",
             IntegratorMethod::Rk4 => "rk4",

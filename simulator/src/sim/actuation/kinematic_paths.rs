@@ -68,6 +68,10 @@ const NODES: [f64; 4] = [0.0, INSTANTS[0], INSTANTS[1], 1.0];
 /// greatest velocity.
 const ACCURATE: (f64, f64) = (1e-10, 1e-9);
 
+/// Greatest jump of the acceleration between two spans of one smooth motion, relative to the velocity per length of the
+/// span: that of polynomials which are as accurate as [`ACCURATE`] says. The end of a ramp jumps by 0.01 or more.
+const JOINED: f64 = 1e-6;
+
 /// Rounding of positions, rad or m.
 const ROUNDING: f64 = 1e-14;
 
@@ -169,6 +173,8 @@ pub struct KinematicPaths {
     commands: Vec<(f64, JointMotion)>,
     /// End of all paths, s.
     end: f64,
+    /// Do the present paths continue the last ones with their accelerations?
+    is_joined: bool,
 }
 
 impl KinematicPaths {
@@ -181,6 +187,7 @@ impl KinematicPaths {
             interpolation,
             commands: vec![(f64::NEG_INFINITY, JointMotion::default()); nj],
             end: f64::NEG_INFINITY,
+            is_joined: false,
         }
     }
 
@@ -238,6 +245,7 @@ impl KinematicPaths {
             self.paths[j] = Some(JointPath { span: (now, end), from, to, polynomial: None });
         }
         self.end = end;
+        self.is_joined = false;
     }
 
     /// Plans paths over a span, from the present `command` on. `ahead` are the commands at [`INSTANTS`] and one tick
@@ -258,6 +266,7 @@ impl KinematicPaths {
         if span.ticks > 1 && !(0..nj).all(follows) {
             return false;
         }
+        self.is_joined = span.ticks > 1;
         self.joints.clear();
         self.tracked.clear();
         for j in 0..nj {
@@ -274,7 +283,11 @@ impl KinematicPaths {
             } else {
                 self.tracked.push(j)
             }
-            self.paths[j] = Some(JointPath { span: (now, span.end), from, to: motion(&ahead[2], j), polynomial });
+            let path = JointPath { span: (now, span.end), from, to: motion(&ahead[2], j), polynomial };
+            let before = self.paths[j].replace(path).map(|path| path.at(now, now - 0.5 * tick));
+            let after = path.at(now, now + 0.5 * tick);
+            let fastest = ahead.iter().map(|a| a.velocity[j].abs()).fold(after.qd.abs(), f64::max);
+            self.is_joined &= before.is_some_and(|b| (after.qdd - b.qdd).abs() * length <= JOINED * fastest);
             self.commands[j] = (span.end - tick, motion(if span.ticks > 1 { &ahead[6] } else { command }, j));
         }
         self.end = span.end;
@@ -301,6 +314,11 @@ impl KinematicPaths {
     /// An instant after `t` at which accelerations of paths jump, s.
     pub fn corner(&self, t: f64) -> Option<f64> {
         (self.are_any() && self.end > t).then_some(self.end)
+    }
+
+    /// Do the paths from `t` on continue those before with their accelerations?
+    pub fn are_joined(&self, t: f64) -> bool {
+        self.is_joined && self.end > t
     }
 
     /// Do accelerations of paths jump at `t`?

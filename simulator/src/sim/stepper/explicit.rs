@@ -3,13 +3,13 @@
 //! A step integrates with the contact states held. Event functions, all positive while those states
 //! are valid, are evaluated at the end of the step. When one has changed sign, event location finds
 //! the first crossing on the dense output, the step is repeated to that instant, and the states are
-//! chosen again. After every step the drift of couplings, loops and clamped soles is removed. After Rosenbrock steps
+//! chosen again. After every step the drift of couplings, loops and clamped soles is removed. After steps
 //! with implicit forces this is done before the end is evaluated, where there are no couplings and loops, so that the
 //! next step need not evaluate its start.
 
 use super::Discontinuity;
-use super::method_pair::MethodPair;
 use super::sliding_mode::SlidingMode;
+use super::step_methods::{StepMethods, StepStart};
 use super::step_size::StepSize;
 use crate::contact::hybrid::events::USUAL_FUNCTIONS;
 use crate::contact::model::solution::Solution;
@@ -51,11 +51,13 @@ const MOST_CROSSINGS: usize = 8;
 /// The explicit integrator of one run.
 #[derive(Clone)]
 pub struct ExplicitStepper {
-    pair: MethodPair,
+    methods: StepMethods,
     size: StepSize,
     sliding_mode: SlidingMode,
     /// Have the states been chosen at the start of the next step?
     fresh: bool,
+    /// On a compliant floor: has the last step ended without an event?
+    is_smooth: bool,
     /// Instant at which the step size has last collapsed, s.
     collapse: Option<f64>,
     /// Size of the next step, s, if it must step over a jump of the forces at its start.
@@ -82,10 +84,11 @@ impl ExplicitStepper {
     pub fn new(method: &'static Tableau, plant: &Plant, size: StepSize, implicit: ImplicitSteps) -> Self {
         let n = plant.layout.size();
         ExplicitStepper {
-            pair: MethodPair::new(method, plant, &size, implicit),
+            methods: StepMethods::new(method, plant, &size, implicit),
             size,
             sliding_mode: SlidingMode::new(n),
             fresh: true,
+            is_smooth: false,
             collapse: None,
             hop: None,
             settled: None,
@@ -104,7 +107,8 @@ impl ExplicitStepper {
     /// Resets the step size after a jump of the equations.
     pub fn restart(&mut self) {
         self.size.restart();
-        self.pair.restart();
+        self.methods.restart();
+        self.is_smooth = false;
         self.sliding_mode.reset();
     }
 
@@ -152,9 +156,10 @@ impl ExplicitStepper {
         sim.measure_energy();
         sim.plant.begin_sole_impulses();
         let doubtful = self.functions.overlook(&mut self.start, sim.tolerances.rest);
-        if hop.is_none() && (sim.locates_events() || self.pair.has_implicit_forces()) {
-            let is_new = self.fresh || discontinuity == Discontinuity::Corner;
-            h = self.pair.select(&mut sim.plant, &self.y, h, remaining, is_new);
+        if hop.is_none() && (sim.locates_events() || self.methods.has_implicit_forces()) {
+            let is_joined = sim.plant.kinematic_paths.are_joined(t0);
+            let start = StepStart::new(discontinuity, self.fresh, self.is_smooth, is_joined);
+            h = self.methods.select(&mut sim.plant, &self.y, h, remaining, start);
         }
         self.left.resize(self.start.len(), 0.0);
         self.scratch.resize(self.start.len(), 0.0);
@@ -167,6 +172,12 @@ impl ExplicitStepper {
             };
             h = size;
             settled = self.settle(sim, if h == remaining { until } else { t0 + h });
+            if let Some(factor) = self.methods.shorten_unsolved(&sim.plant) {
+                sim.metrics.rejected_steps += 1;
+                (sim.metrics.max_static_creep_m, sim.metrics.max_projection_m) = drift;
+                h *= factor;
+                continue;
+            }
             self.functions.values(sim, &mut self.right);
             // Bodies stay where their terrain is known.
             while let Some(part) = sim.pairs.part_inside(&sim.plant) {
@@ -194,7 +205,7 @@ impl ExplicitStepper {
             event = self.hop.is_none();
             // The longer step met the tolerances with the equations continued beyond the event. Where
             // a vertex almost stops and turns, these are smoother than those before the event.
-            let Some(factor) = self.pair.shorten_located(&self.size, &layout).filter(|_| h > MAX_HOP) else {
+            let Some(factor) = self.methods.shorten_located(&self.size, &layout).filter(|_| h > MAX_HOP) else {
                 break;
             };
             sim.metrics.rejected_steps += 1;
@@ -212,8 +223,8 @@ impl ExplicitStepper {
         sim.metrics.steps += 1;
         let t1 = if h == remaining { until } else { t0 + h };
         self.emit_dense_output(sim, t0, t1, h, observer)?;
-        sim.plant.unpack(t1, self.pair.end());
-        sim.energy.flows = layout.flows(self.pair.end());
+        sim.plant.unpack(t1, self.methods.end());
+        sim.energy.flows = layout.flows(self.methods.end());
         // Event location may end with the plant anywhere in the step.
         if sim.plant.close_conditions() | located {
             sim.plant.evaluate();
@@ -225,9 +236,10 @@ impl ExplicitStepper {
                 sim.metrics.events += 1;
                 sim.stall_guard.count_at_instant(sim.plant.state.time)?;
             }
+            self.is_smooth = !located;
             if sim.update_polygons(None) {
                 sim.plant.evaluate();
-                settled = false;
+                (settled, self.is_smooth) = (false, false);
             }
             self.settled = settled.then_some(t1);
             sim.read_compliant_states(observer)?;
@@ -270,14 +282,14 @@ impl ExplicitStepper {
         let layout = sim.plant.layout.clone();
         loop {
             sim.plant.within = t0 + 0.5 * h;
-            self.pair.attempt(&mut sim.plant, t0, h);
-            let is_accurate = || self.pair.shorten_located(&self.size, &layout).is_none();
+            self.methods.attempt(&mut sim.plant, t0, h);
+            let is_accurate = || self.methods.shorten_located(&self.size, &layout).is_none();
             if hop.is_some() && (h <= FIRST_HOP * (1.0 + t0) || is_accurate()) {
                 return Some(h);
             }
             // Forces that grow without bound are no jump.
             *hop = None;
-            let Some(factor) = self.pair.shorten(&mut self.size, &layout, h, remaining) else { return Some(h) };
+            let Some(factor) = self.methods.shorten(&mut self.size, &layout, h, remaining) else { return Some(h) };
             sim.metrics.rejected_steps += 1;
             h *= factor;
             if !(h > SMALLEST * (1.0 + t0)) {
@@ -330,7 +342,7 @@ impl ExplicitStepper {
         if self.sliding_mode.step(sim, &self.size, until, observer)? {
             self.sliding_mode.leave(sim, observer)?;
             self.size.restart();
-            self.pair.restart();
+            self.methods.restart();
             self.fresh = true;
         }
         Ok(())
@@ -341,17 +353,17 @@ impl ExplicitStepper {
     ///
     /// Drift is removed with the responses of the last stage, at almost the same configuration.
     fn settle(&mut self, sim: &mut RunState, t1: f64) -> bool {
-        if !self.pair.is_stiff() {
+        if !self.methods.is_stiff() {
             return false;
         }
-        sim.plant.unpack(t1, self.pair.end());
+        sim.plant.unpack(t1, self.methods.end());
         let is_exact = sim.locates_events() || sim.plant.is_compliant();
-        let mut settles = is_exact && self.pair.has_implicit_forces() && !sim.plant.has_conditions();
+        let mut settles = is_exact && self.methods.has_implicit_forces() && !sim.plant.has_conditions();
         if settles && !sim.plant.is_compliant() {
             sim.plant.refresh();
             settles = sim.project_drift();
-            self.pair.move_end(&sim.plant);
-            sim.plant.unpack(t1, self.pair.end());
+            self.methods.move_end(&sim.plant);
+            sim.plant.unpack(t1, self.methods.end());
         }
         sim.plant.evaluate();
         settles
@@ -359,9 +371,9 @@ impl ExplicitStepper {
 
     /// Attempts a step of size `h` and leaves the plant at its end.
     fn attempt_to_end(&mut self, sim: &mut RunState, t0: f64, h: f64) {
-        self.pair.attempt(&mut sim.plant, t0, h);
-        if self.pair.is_stiff() {
-            sim.plant.unpack(t0 + h, self.pair.end());
+        self.methods.attempt(&mut sim.plant, t0, h);
+        if self.methods.is_stiff() {
+            sim.plant.unpack(t0 + h, self.methods.end());
             sim.plant.evaluate();
         }
     }
@@ -370,8 +382,8 @@ impl ExplicitStepper {
     fn begin(&mut self, sim: &mut RunState, t0: f64, is_evaluated: bool) {
         sim.plant.pack(&sim.energy.flows, &mut self.y);
         match is_evaluated {
-            true => self.pair.begin_evaluated(&sim.plant, &self.y),
-            false => self.pair.begin(&mut sim.plant, t0, &self.y),
+            true => self.methods.begin_evaluated(&sim.plant, &self.y),
+            false => self.methods.begin(&mut sim.plant, t0, &self.y),
         }
         sim.plant.update_reference_directions();
         sim.pairs.update_terrain(&mut sim.plant, None);
@@ -390,11 +402,11 @@ impl ExplicitStepper {
     fn locate(&mut self, sim: &mut RunState, t0: f64, full: f64) -> f64 {
         let mut h = full;
         let mut near = false;
-        let passes = if self.pair.is_stiff() { STIFF_BEYOND } else { BEYOND };
+        let passes = if self.methods.is_stiff() { STIFF_BEYOND } else { BEYOND };
         for (pass, &beyond) in passes.iter().enumerate() {
             let event = h * self.crossing(sim, t0, h);
             if pass == 1 && h < full {
-                self.pair.interpolate((1.0 - BEFORE) * event / h, &mut self.dense);
+                self.methods.interpolate((1.0 - BEFORE) * event / h, &mut self.dense);
                 sim.plant.unpack(t0 + (1.0 - BEFORE) * event, &self.dense);
                 sim.plant.refresh();
                 sim.plant.update_reference_directions();
@@ -433,11 +445,11 @@ impl ExplicitStepper {
 
     /// First crossing within the attempted step of size `h`, as a fraction of it.
     fn crossing(&mut self, sim: &mut RunState, t0: f64, h: f64) -> f64 {
-        let (pair, dense, functions) = (&self.pair, &mut self.dense, &self.functions);
+        let (methods, dense, functions) = (&self.methods, &mut self.dense, &self.functions);
         self.scratch.copy_from_slice(&self.start);
         self.left.copy_from_slice(&self.start);
         first_crossing(0.0, 1.0, &mut self.left, &mut self.right, &mut self.scratch, LOCATE, |theta, g| {
-            pair.interpolate(theta, dense);
+            methods.interpolate(theta, dense);
             sim.plant.unpack(t0 + theta * h, dense);
             sim.plant.evaluate();
             functions.fill(sim, g);
@@ -464,7 +476,7 @@ impl ExplicitStepper {
         // states begins.
         self.held.copy_from(&sim.plant.solution);
         while let Some(t) = due(sim.log.next()).into_iter().chain(due(sim.next_sample())).reduce(f64::min) {
-            self.pair.interpolate(((t - t0) / h).clamp(0.0, 1.0), &mut self.dense);
+            self.methods.interpolate(((t - t0) / h).clamp(0.0, 1.0), &mut self.dense);
             sim.plant.unpack(t, &self.dense);
             sim.plant.close_conditions();
             sim.plant.evaluate();
@@ -478,7 +490,7 @@ impl ExplicitStepper {
             }
         }
         // Returns the plant to the end of the step.
-        sim.plant.unpack(t1, self.pair.end());
+        sim.plant.unpack(t1, self.methods.end());
         sim.plant.evaluate();
         sim.plant.solution.copy_from(&self.held);
         sim.plant.evaluations = evaluations;

@@ -5,9 +5,10 @@
 //! [`Simulation::step`](super::Simulation::step).
 
 pub mod explicit;
-pub mod method_pair;
+pub mod implicit_choice;
 pub mod semi_implicit;
 pub mod sliding_mode;
+pub mod step_methods;
 pub mod step_size;
 
 pub use explicit::ExplicitStepper;
