@@ -34,7 +34,7 @@ fn springs(k: f64, c: f64, s: f64) -> String {
 #[test]
 fn a_body_at_rest_deflects_its_springs_by_its_weight() {
     let body = block();
-    for integrator in [FINE, "method = \"rosenbrock\"", "method = \"semi-implicit\", step = 1e-3"] {
+    for integrator in [FINE, "method = \"rosenbrock\"", "method = \"bdf\"", "method = \"semi-implicit\", step = 1e-3"] {
         for k in [1e3, 1e4, 1e5, 1e6] {
             // Nearly critical damping: e^-(omega t) is below 1e-12 after a second at 1e3 N/m.
             let c = (k * body.mass / 4.0).sqrt() * 2.0;
@@ -91,7 +91,7 @@ fn a_sticking_body_creeps_in_proportion_to_the_slip_velocity() {
     // tan(angle) = mu v / sqrt(v^2 + s^2): v = s r / sqrt(1 - r^2) with r the used fraction of the
     // cone.
     let (body, mu) = (block(), 0.6_f64);
-    for integrator in [FINE, "method = \"rosenbrock\"", "method = \"semi-implicit\", step = 1e-3"] {
+    for integrator in [FINE, "method = \"rosenbrock\"", "method = \"bdf\"", "method = \"semi-implicit\", step = 1e-3"] {
         for s in [1e-2, 1e-3, 1e-4] {
             for r in [0.3, 0.9] {
                 let angle = (r * mu).atan();
@@ -237,7 +237,9 @@ fn a_patch_has_its_own_friction() {
 
 #[test]
 fn the_springs_carry_the_weight_of_a_standing_robot() {
-    for integrator in ["max_step = 1e-3", "method = \"rosenbrock\"", "method = \"semi-implicit\", step = 1e-3"] {
+    for integrator in
+        ["max_step = 1e-3", "method = \"rosenbrock\"", "method = \"bdf\"", "method = \"semi-implicit\", step = 1e-3"]
+    {
         let mut sim = simulation(&format!(
             "duration = 1.0\nrobot = {{ model = \"robots/hoap2/hoap2.toml\" }}\ncontact = {{ method = \"penalty\" }}\n\
              integrator = {{ {integrator} }}\n"

@@ -12,19 +12,20 @@
 //! ```
 //!
 //! These are the variable-coefficient formulas of [Hairer 1993], section III.5, with one Newton iteration from the
-//! predictor. If A is the Jacobian and f linear, `Q'(t1) = f(t1, y1)`; otherwise the next iteration would change y1 by
-//! some `(df/dy - A) d / w`, which is of higher order, and [`correction`](Bdf::correction) gives it. A step evaluates f
-//! once, where a Rosenbrock method of order 3 needs four evaluations, but the points must have no jump between them.
+//! predictor. If A is the Jacobian and f linear, `Q'(t1) = f(t1, y1)`; otherwise the next iteration would change y1
+//! by some `(df/dy - A) d / w`, which is of higher order, and [`correction`](Bdf::correction) gives it. A step
+//! evaluates f once, where a Rosenbrock method of order 3 needs four evaluations, but the points must have no jump
+//! between them.
 //!
-//! Sizes and orders are chosen as in [Brown 1989]: after k + 1 steps, the one of the orders k - 1, k and k + 1 that
-//! allows the longest step. Their errors are those at the latest point,
+//! Sizes and orders are chosen as in [Brown 1989]: after k + 1 steps, or once the step has to be shorter, the one of
+//! the orders k - 1, k and k + 1 that allows the longest step. Their errors are those at the latest point,
 //!
 //! ```text
 //! e_q = D_(q+1) prod_i=0..q (x_0 - x_(i+1)) (x_0 - x_1) / (x_0 - x_(q+1))
 //! ```
 //!
-//! Formulas of orders 1 and 2 are A-stable; those of 3 to 5 are stable in sectors of 86, 73 and 51 degrees on both sides
-//! of the negative real axis. Oscillations outside grow until they are errors, which lower the order.
+//! Formulas of orders 1 and 2 are A-stable; those of 3 to 5 are stable in sectors of 86, 73 and 51 degrees on both
+//! sides of the negative real axis. Oscillations outside grow until they are errors, which lower the order.
 
 use super::{StiffSolver, System, error_norm};
 use crate::math;
@@ -120,7 +121,7 @@ impl Bdf {
         self.times[0] = t;
         self.points = (self.points + 1).min(POINTS);
         self.steps += 1;
-        self.taken += i32::from(self.order > 0);
+        self.taken = self.taken.saturating_add(i32::from(self.order > 0));
     }
 
     /// Number of steps since the method has begun, which are among the latest points.
@@ -130,7 +131,9 @@ impl Bdf {
 
     /// Whether the points suffice for a step.
     pub fn is_ready(&self) -> bool {
-        self.order > 0 || self.points >= FIRST_POINTS
+        // The errors of a step that was cut short say little.
+        let [last, before] = [0, 1].map(|i| self.times[i] - self.times[i + 1]);
+        self.order > 0 || self.points >= FIRST_POINTS && last >= CUT * before
     }
 
     /// Chooses order and size of the next step by the errors at the latest point, in units of the tolerance, and
@@ -158,8 +161,9 @@ impl Bdf {
             return self.size;
         } else {
             let k = self.order.min(most);
-            let (mut best, is_due) = (growth(k, BIAS[1]), self.steps > k);
-            if !is_due && best.1 >= SHRINKAGE {
+            let (present, is_due) = (growth(k, BIAS[1]), self.steps > k);
+            let (mut best, holds) = (present, present.1 >= SHRINKAGE);
+            if holds && !is_due {
                 return self.size;
             }
             if k > 1 {
@@ -168,7 +172,7 @@ impl Bdf {
             if k < most && is_due {
                 best = longer(best, growth(k + 1, BIAS[2]));
             }
-            if (SHRINKAGE..GROWTH).contains(&best.1) {
+            if holds && best.1 < GROWTH {
                 return self.size;
             }
             best
@@ -232,7 +236,7 @@ impl Bdf {
         error_norm(groups, tolerances, [&self.differences[0], &self.end], |i| self.slope[i])
     }
 
-    /// Factor by which to shorten a step after an attempt with `error`, more than 1. The next step has that size.
+    /// Factor by which to shorten a step whose last attempt had an `error` of more than 1. The next step has that size.
     pub fn shorten(&mut self, error: f64) -> f64 {
         let factor = match error.is_finite() {
             true => (0.9 * math::powf(error, -1.0 / (self.order + 1) as f64)).clamp(LEAST_GROWTH, SHRINKAGE),
@@ -361,7 +365,7 @@ mod tests {
         }
     }
 
-    /// A run with error control from exact points, as [`Bdf`] is used. Returns the ends of steps and the greatest error.
+    /// A run with error control from exact points. Returns the ends of steps and the greatest error.
     fn run(system: &mut impl System, solver: &mut StiffSolver, start: &[f64], tolerance: f64) -> (Vec<f64>, f64) {
         let n = start.len();
         let mut method = Bdf::new(n);

@@ -273,6 +273,8 @@ impl KinematicPaths {
             if !self.has_path(command, j) {
                 self.paths[j] = None;
                 self.commands[j].0 = f64::NEG_INFINITY;
+                // Its command may have jumped.
+                self.is_joined &= command.mode[j] == DriveMode::Passive;
                 continue;
             }
             let is_smooth = span.is_smooth && continues(self, j) && !rests(command, ahead, j);

@@ -1,4 +1,4 @@
-//! Stiffness of a compliant floor, as part of the stiff part of a Rosenbrock step.
+//! Stiffness of a compliant floor, as part of the stiff part of a step.
 //!
 //! The force f on vertex i of polygon s depends on its height h and its velocity u. With the Jacobian J of the vertex,
 //! n the normal, x the configuration and displacements `E^-1 dx` along the velocities v (`x' = E v`):

@@ -1,4 +1,4 @@
-//! Stiffness of drives, joint friction and stops, as the stiff part of a Rosenbrock step.
+//! Stiffness of drives, joint friction and stops, as the stiff part of a step.
 //!
 //! The effort of joint j depends on its own position and velocity, and of a lagging actuator on the effort z
 //! that follows the servo's u ([`crate::sim::actuation::lag`]):

@@ -1,4 +1,4 @@
-//! Stiffness of external forces, as part of the stiff part of a Rosenbrock step.
+//! Stiffness of external forces, as part of the stiff part of a step.
 //!
 //! A spring pulls on a point with Jacobian J, whose displacement is `J E^-1 dx` ([`super::contact_stiffness`]); an
 //! effort on joint j depends on its velocity:

@@ -1,4 +1,4 @@
-//! Stiffness of friction at slow sliding vertices, as the stiff part of a Rosenbrock step.
+//! Stiffness of friction at slow sliding vertices, as the stiff part of a step.
 //!
 //! Friction `-mu_k N u` of a vertex turns with its direction u, which depends on its tangential
 //! velocity `t = J(x) q'`, x the configuration. With theta the angle of u, the acceleration q'' of

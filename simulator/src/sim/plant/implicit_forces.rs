@@ -1,4 +1,4 @@
-//! The forces that a Rosenbrock step takes implicitly: drives, joint friction and stops
+//! The forces that a step takes implicitly: drives, joint friction and stops
 //! (`drive_stiffness.rs`), motors that drive several joints (`motor_stiffness.rs`), springs and dampers of a
 //! compliant floor (`contact_stiffness.rs`) and of external forces (`external_stiffness.rs`).
 //!

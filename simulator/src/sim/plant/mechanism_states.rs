@@ -79,6 +79,12 @@ impl Plant {
         dy[layout.velocities()].copy_from_slice(&self.acceleration);
         layout.pack_flows(&self.powers(), dy);
         // The motion of kinematic joints is prescribed, not integrated.
-        self.kinematic_paths.joints().iter().for_each(|j| layout.hold(*j, dy));
+        self.hold_prescribed(dy);
+    }
+
+    /// Sets the entries of kinematic joints to zero, in a derivative or in a point whose joints take their path's
+    /// positions when it is unpacked.
+    pub fn hold_prescribed(&self, y: &mut [f64]) {
+        self.kinematic_paths.joints().iter().for_each(|j| self.layout.hold(*j, y));
     }
 }

@@ -1,4 +1,4 @@
-//! Stiffness of motors that drive several joints, as part of the stiff part of a Rosenbrock step.
+//! Stiffness of motors that drive several joints, as part of the stiff part of a step.
 //!
 //! The torque of motor k depends on the states of all joints of its transmission, by its friction and, where a
 //! limit acts on one of its motors, by the servos ([`crate::sim::actuation::coupled_motors`]):

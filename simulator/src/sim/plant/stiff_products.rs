@@ -1,4 +1,4 @@
-//! Columns and rows of the stiff part of a Rosenbrock step: responses to a force, and what a force depends on.
+//! Columns and rows of the stiff part of a step: responses to a force, and what a force depends on.
 
 use super::{EnergyFlows, Plant};
 use crate::integrate::StiffPart;

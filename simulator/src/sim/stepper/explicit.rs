@@ -1,11 +1,10 @@
 //! Explicit Runge-Kutta stepping with located events, in steps sized by error control or fixed.
 //!
-//! A step integrates with the contact states held. Event functions, all positive while those states
-//! are valid, are evaluated at the end of the step. When one has changed sign, event location finds
-//! the first crossing on the dense output, the step is repeated to that instant, and the states are
-//! chosen again. After every step the drift of couplings, loops and clamped soles is removed. After steps
-//! with implicit forces this is done before the end is evaluated, where there are no couplings and loops, so that the
-//! next step need not evaluate its start.
+//! A step integrates with the contact states held. Event functions, all positive while those states are valid, are
+//! evaluated at the end of the step. When one has changed sign, event location finds the first crossing on the dense
+//! output, the step is repeated to that instant, and the states are chosen again. After every step the drift of
+//! couplings, loops and clamped soles is removed. After steps with implicit forces this is done before the end is
+//! evaluated, where there are no couplings and loops, so that the next step need not evaluate its start.
 
 use super::Discontinuity;
 use super::sliding_mode::SlidingMode;
@@ -33,7 +32,7 @@ const FIRST_HOP: f64 = 1e-13;
 const MAX_HOP: f64 = 1e-9;
 /// How far beyond an event a step is repeated to end, relative to its size.
 const BEYOND: &[f64] = &[1e-4, 1e-7, 0.0];
-/// The same for Rosenbrock steps, whose dense output is of lower order.
+/// The same for implicit steps, whose dense output is of lower order.
 const STIFF_BEYOND: &[f64] = &[1e-2, 1e-4, 1e-7, 0.0];
 /// How long before an event the directions of vertices that come to rest are read, relative to the
 /// step.
@@ -151,15 +150,17 @@ impl ExplicitStepper {
             if self.sliding_mode.begin_deferred(sim, observer)? {
                 return self.step_in_sliding_mode(sim, until, observer);
             }
+            self.methods.interrupt();
             self.begin(sim, t0, false);
         }
         sim.measure_energy();
         sim.plant.begin_sole_impulses();
         let doubtful = self.functions.overlook(&mut self.start, sim.tolerances.rest);
         if hop.is_none() && (sim.locates_events() || self.methods.has_implicit_forces()) {
-            let is_joined = sim.plant.kinematic_paths.are_joined(t0);
-            let start = StepStart::new(discontinuity, self.fresh, self.is_smooth, is_joined);
+            let start = StepStart::new(discontinuity, self.fresh, self.is_smooth, &sim.plant);
             h = self.methods.select(&mut sim.plant, &self.y, h, remaining, start);
+        } else {
+            self.methods.interrupt();
         }
         self.left.resize(self.start.len(), 0.0);
         self.scratch.resize(self.start.len(), 0.0);
@@ -236,7 +237,7 @@ impl ExplicitStepper {
                 sim.metrics.events += 1;
                 sim.stall_guard.count_at_instant(sim.plant.state.time)?;
             }
-            self.is_smooth = !located;
+            self.is_smooth = !(located || event);
             if sim.update_polygons(None) {
                 sim.plant.evaluate();
                 (settled, self.is_smooth) = (false, false);
@@ -298,9 +299,8 @@ impl ExplicitStepper {
         }
     }
 
-    /// Ends a force without bound, or the slip of a vertex that crawls, at the start of a step whose
-    /// size has collapsed. Where this is not the cause, or has not helped, velocity-level steps follow if
-    /// a sole slides.
+    /// Ends a force without bound, or the slip of a vertex that crawls, at the start of a step whose size has
+    /// collapsed. Where this is not the cause, or has not helped, velocity-level steps follow if a sole slides.
     fn resolve_collapse(
         &mut self,
         sim: &mut RunState,
@@ -339,6 +339,7 @@ impl ExplicitStepper {
         until: f64,
         observer: &mut dyn Observer,
     ) -> Result<(), RunError> {
+        self.methods.interrupt();
         if self.sliding_mode.step(sim, &self.size, until, observer)? {
             self.sliding_mode.leave(sim, observer)?;
             self.size.restart();
@@ -393,12 +394,11 @@ impl ExplicitStepper {
     /// Event location: shortens the attempted step to its first event and returns its new size. The
     /// plant is left at the event.
     ///
-    /// The dense output is of lower order than the step itself (4 and 5, 3 and 4) or another
-    /// solution of the same order, so a step to an event located on it misses the event. A second
-    /// step that ends just beyond the event, where its dense output is as accurate as its end,
-    /// removes the difference. Vertices that come to rest there have turned since the start of the
-    /// step, so further steps take their directions just before the event as references. The first
-    /// step cannot give these: where a vertex is that slow, its dense output may be mostly error.
+    /// The dense output is of lower order than the step itself (4 and 5, 3 and 4) or another solution of the same
+    /// order, so a step to an event located on it misses the event. A second step that ends just beyond the event,
+    /// where its dense output is as accurate as its end, removes the difference. Vertices that come to rest there
+    /// have turned since the start of the step, so further steps take their directions just before the event as
+    /// references. The first step cannot give these: where a vertex is that slow, its dense output may be error.
     fn locate(&mut self, sim: &mut RunState, t0: f64, full: f64) -> f64 {
         let mut h = full;
         let mut near = false;

@@ -38,9 +38,9 @@ const MOST_WAITING: u32 = 64;
 const MOST_FAILURES: u32 = 2;
 /// Error, in units of the tolerance, above which the motion is not smooth.
 const KINK: f64 = 1e3;
-/// Part of the last Rosenbrock step below which that method takes over: then shorter steps do not reduce the errors,
-/// which are those of rounding.
-const SHORTEST: f64 = 0.05;
+/// Part of the last Rosenbrock step below which that method takes over: its own steps cost less, and where errors are
+/// those of rounding, shorter steps do not reduce them.
+const SHORTEST: f64 = 0.2;
 /// Least number of Rosenbrock steps after the formulas have failed. It doubles with each failure, up to the second
 /// number, until they have taken [`LONG_STAY`] steps.
 const RELUCTANCE: (usize, usize) = (8, 64);
@@ -50,8 +50,8 @@ const CONVERGED: f64 = 0.5;
 /// Factor by which a step is then shorter.
 const UNSOLVED: f64 = 0.5;
 
-/// Part of the tolerances that the formulas have, whose error estimate is that of their solution. The estimate of `dopri5`
-/// is of a solution of lower order than the one it continues with; with this part both have similar errors.
+/// Part of the tolerances that the formulas have, whose error estimate is that of their solution. The estimate of
+/// `dopri5` is of a solution of lower order than the one it continues with; with this part both have similar errors.
 const SHARE: f64 = 0.002;
 /// The first steps have a greater part, less by this factor from one to the next: the points before them have errors of
 /// the whole tolerance.
@@ -74,15 +74,17 @@ pub enum StepStart {
 }
 
 impl StepStart {
-    /// After this discontinuity. `is_fresh`: contact states have been chosen; `is_smooth`: on a compliant floor, which
-    /// has none, the last step has ended without an event; `is_joined`: motion commanded from here on continues with its
-    /// accelerations.
-    pub fn new(discontinuity: Discontinuity, is_fresh: bool, is_smooth: bool, is_joined: bool) -> Self {
+    /// At the time of the plant, after this discontinuity. `is_fresh`: contact states have been chosen; `is_smooth`: on
+    /// a compliant floor, which has none, the last step has ended without an event.
+    pub fn new(discontinuity: Discontinuity, is_fresh: bool, is_smooth: bool, plant: &Plant) -> Self {
+        // Motion commanded from here on may continue with its accelerations.
+        let is_joined = plant.kinematic_paths.are_joined(plant.state.time);
+        let jumps = discontinuity == Discontinuity::Tick && !is_joined;
         match discontinuity {
-            Discontinuity::None if is_fresh && is_smooth => StepStart::Renewed,
             Discontinuity::Corner => StepStart::New,
+            _ if is_fresh && is_smooth && !jumps => StepStart::Renewed,
             _ if is_fresh => StepStart::New,
-            Discontinuity::Tick if !is_joined => StepStart::Jump,
+            _ if jumps => StepStart::Jump,
             _ => StepStart::Smooth,
         }
     }
@@ -94,6 +96,8 @@ pub struct StepMethods {
     explicit: RungeKutta,
     rosenbrock: Rosenbrock,
     bdf: Bdf,
+    /// The latest point of the formulas.
+    point: Vec<f64>,
     /// Linear systems of the last two.
     solver: StiffSolver,
     active: Method,
@@ -101,7 +105,7 @@ pub struct StepMethods {
     failures: u32,
     /// Size of the last Rosenbrock step before those of the formulas, s.
     before: f64,
-    /// Rosenbrock steps since these have failed, and those to take before the next.
+    /// Rosenbrock steps since the formulas have failed, and those to take before they are used again.
     since_failure: usize,
     reluctance: usize,
     /// Sizes of implicit steps; none without error control.
@@ -138,6 +142,7 @@ impl StepMethods {
             explicit: RungeKutta::new(method, n),
             rosenbrock: Rosenbrock::new(n),
             bdf: Bdf::new(n),
+            point: vec![0.0; n],
             solver: StiffSolver::new(n, MOST_VERTICES),
             active: Method::Explicit,
             failures: 0,
@@ -156,6 +161,11 @@ impl StepMethods {
     pub fn restart(&mut self) {
         self.begin_stiff_steps(if self.implicit.are_implicit { FIRST_OF_FORCES } else { FIRST });
         self.implicit.restart();
+        self.bdf.clear();
+    }
+
+    /// Forgets the points of the formulas, which a step by other means or a choice of states follows.
+    pub fn interrupt(&mut self) {
         self.bdf.clear();
     }
 
@@ -219,7 +229,9 @@ impl StepMethods {
         if matches!(start, StepStart::New | StepStart::Jump) {
             self.bdf.clear();
         }
-        self.bdf.add_point(plant.state.time, y);
+        self.point.copy_from_slice(y);
+        plant.hold_prescribed(&mut self.point);
+        self.bdf.add_point(plant.state.time, &self.point);
         self.since_failure += 1;
         self.failures = 0;
         if !self.bdf.is_ready() || self.since_failure < self.reluctance {
@@ -306,8 +318,8 @@ impl StepMethods {
         }
     }
 
-    /// Factor by which to shorten a step of the formulas after an attempt with `error`. The Rosenbrock method takes it if
-    /// that was not the first, or the motion has a kink.
+    /// Factor by which to shorten a step of the formulas after an attempt with `error`. The Rosenbrock method takes
+    /// it if that was not the first, or the motion has a kink.
     fn shorten_smooth_step(&mut self, error: f64) -> f64 {
         self.failures += 1;
         if self.failures >= MOST_FAILURES || !(error < KINK) {
@@ -336,6 +348,7 @@ impl StepMethods {
         let groups = plant.layout.error_groups();
         let correction = self.bdf.correction(&mut self.solver, slope, tolerances, groups);
         (!(correction <= CONVERGED)).then(|| {
+            self.implicit.restart();
             self.leave_smooth_steps();
             UNSOLVED
         })
