@@ -38,6 +38,9 @@ const MOST_WAITING: u32 = 64;
 const MOST_FAILURES: u32 = 2;
 /// Error, in units of the tolerance, above which the motion is not smooth.
 const KINK: f64 = 1e3;
+/// Evaluations of a Rosenbrock step over those of a step of the formulas, which explicit steps must therefore exceed by
+/// more to pay.
+const CHEAPER: f64 = 2.0;
 /// Part of the last Rosenbrock step below which that method takes over: its own steps cost less, and where errors are
 /// those of rounding, shorter steps do not reduce them.
 const SHORTEST: f64 = 0.2;
@@ -288,7 +291,7 @@ impl StepMethods {
             Some(_) if self.active == Method::Bdf => {
                 let error = self.bdf.error(smooth_tolerances, layout.error_groups());
                 let is_rejected = !(error <= 1.0);
-                self.implicit.count_implicit(is_rejected, h);
+                self.implicit.count_implicit(is_rejected, CHEAPER * h);
                 is_rejected.then(|| self.shorten_smooth_step(error))
             }
             Some(size) if self.active == Method::Rosenbrock => {
