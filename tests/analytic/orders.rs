@@ -20,6 +20,24 @@ fn integrators(h: f64) -> [(String, f64); 5] {
 
 const REFERENCE: &str = "relative_tolerance = 1e-13, absolute_tolerance = 1e-14, max_step = 1e-3";
 
+const PENDULUM: &str = "duration = 1.0
+    [robot]
+    model = \"robots/pendulum/pendulum.urdf\"
+    soles = []
+    joint_default = { mode = \"passive\" }
+    posture = { shoulder = 1.2, elbow = 0.6 }
+    velocity = { shoulder = 1.0, elbow = -0.5 }\n";
+
+/// The scenario in which a body lands on a corner, which rests from then on.
+fn landing(body: &Body) -> String {
+    let base =
+        "position = [0, 0, 0.2], rpy = [0.5, 0.4, 0], linear_velocity = [0.5, 0.2, -1], angular_velocity = [2, -3, 1]";
+    format!(
+        "duration = 0.1\nfloor = {{ friction = 3.0 }}\ncontact = {{ velocity_tolerance = 1e-6 }}\n{}",
+        body.robot(base)
+    )
+}
+
 /// Positions and velocities at the end.
 fn end(scenario: &str, integrator: &str) -> (Vec<f64>, Metrics) {
     let mut sim = simulation(&format!("integrator = {{ {integrator} }}\nlog = {{ rate = 0 }}\n{scenario}"));
@@ -49,16 +67,7 @@ fn excess(scenario: &str, steps: [f64; 5]) -> [f64; 5] {
 
 #[test]
 fn a_double_pendulum_converges_with_the_order_of_its_integrator() {
-    let found = excess(
-        "duration = 1.0
-        [robot]
-        model = \"robots/pendulum/pendulum.urdf\"
-        soles = []
-        joint_default = { mode = \"passive\" }
-        posture = { shoulder = 1.2, elbow = 0.6 }
-        velocity = { shoulder = 1.0, elbow = -0.5 }\n",
-        [0.01, 0.01, 4e-3, 5e-3, 1e-3],
-    );
+    let found = excess(PENDULUM, [0.01, 0.01, 4e-3, 5e-3, 1e-3]);
     // The next order, at some 0.1 to 0.2 rad a step; adaptive runs begin with shorter steps, at
     // most two of fifty.
     assert!(found.iter().all(|x| x.abs() < 0.3), "{found:?}");
@@ -84,12 +93,7 @@ fn a_humanoid_in_flight_converges_with_the_order_of_its_integrator() {
 #[test]
 fn a_landing_on_a_corner_converges_with_the_order_of_its_integrator() {
     let body = Body::new([0.1, 0.08, 0.05], 1.3);
-    let base =
-        "position = [0, 0, 0.2], rpy = [0.5, 0.4, 0], linear_velocity = [0.5, 0.2, -1], angular_velocity = [2, -3, 1]";
-    let scenario = format!(
-        "duration = 0.1\nfloor = {{ friction = 3.0 }}\ncontact = {{ velocity_tolerance = 1e-6 }}\n{}",
-        body.robot(base)
-    );
+    let scenario = landing(&body);
     let (_, m) = end(&scenario, REFERENCE);
     assert_eq!((m.impacts, m.state_changes, m.inconsistent), (1, 1, 0), "{m:?}");
     let found = excess(&scenario, [0.01, 0.01, 0.01, 5e-3, 2e-4]);
@@ -101,21 +105,8 @@ fn a_landing_on_a_corner_converges_with_the_order_of_its_integrator() {
 /// Backward differentiation formulas choose their order, so their errors are compared with the tolerance.
 #[test]
 fn errors_of_formulas_fall_with_the_tolerance() {
-    let pendulum = "duration = 1.0
-        [robot]
-        model = \"robots/pendulum/pendulum.urdf\"
-        soles = []
-        joint_default = { mode = \"passive\" }
-        posture = { shoulder = 1.2, elbow = 0.6 }
-        velocity = { shoulder = 1.0, elbow = -0.5 }\n";
     let body = Body::new([0.1, 0.08, 0.05], 1.3);
-    let base =
-        "position = [0, 0, 0.2], rpy = [0.5, 0.4, 0], linear_velocity = [0.5, 0.2, -1], angular_velocity = [2, -3, 1]";
-    let landing = format!(
-        "duration = 0.1\nfloor = {{ friction = 3.0 }}\ncontact = {{ velocity_tolerance = 1e-6 }}\n{}",
-        body.robot(base)
-    );
-    for scenario in [pendulum, &landing] {
+    for scenario in [PENDULUM, &landing(&body)] {
         let truth = end(scenario, REFERENCE).0;
         let of = |tolerance: f64| {
             let keys = format!("method = \"bdf\", relative_tolerance = {tolerance}, absolute_tolerance = {tolerance}");

@@ -21,6 +21,8 @@ pub mod runge_kutta;
 pub mod step_control;
 pub mod stiff_part;
 pub mod stiff_solver;
+#[cfg(test)]
+mod test_systems;
 
 pub use bdf::Bdf;
 pub use bs23::BS23;

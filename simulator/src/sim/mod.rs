@@ -12,7 +12,7 @@
 //! | `sensing` | sensors with errors, IMU, base estimators |
 //! | `run` | state of a run without its stepper: control ticks, scenario events, carried objects |
 //! | `contact_states` | choice of contact states at an instant |
-//! | `stepper` | explicit and semi-implicit time stepping |
+//! | `stepper` | time stepping: explicit, with implicit forces, and semi-implicit at the velocity level |
 //! | `measure` | residuals, energy balance, milestones, samples, snapshots |
 //!
 //! `assemble` builds a [`Setup`] from a scenario; library users fill one. Does not access files or

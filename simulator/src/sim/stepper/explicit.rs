@@ -1,4 +1,4 @@
-//! Explicit Runge-Kutta stepping with located events, in steps sized by error control or fixed.
+//! Stepping with located events by the methods of [`super::step_methods`], in steps sized by error control or fixed.
 //!
 //! A step integrates with the contact states held. Event functions, all positive while those states are valid, are
 //! evaluated at the end of the step. When one has changed sign, event location finds the first crossing on the dense

@@ -1,5 +1,6 @@
-//! Time stepping: explicit Runge-Kutta with event location, and semi-implicit Euler at the velocity
-//! level. Where contact states alternate faster than steps resolve, the first advances by the second.
+//! Time stepping: methods that integrate accelerations, explicit or with implicit forces ([`step_methods`]), with event
+//! location ([`explicit`]), and semi-implicit Euler at the velocity level. Where contact states alternate faster than
+//! steps resolve, the first advance by the second.
 //!
 //! Imports plant, contact_states, measure and integrate. Called by
 //! [`Simulation::step`](super::Simulation::step).
