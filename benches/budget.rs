@@ -4,6 +4,7 @@
 //! compilation).
 
 use divan::{Bencher, black_box};
+use std::path::Path;
 
 mod collision;
 mod dynamics;
@@ -17,6 +18,11 @@ mod watched;
 fn main() {
     divan::main();
     ratios::main();
+}
+
+/// Folder of robots and scenarios.
+fn repository() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
 }
 
 /// Times `f` on one robot.

@@ -5,7 +5,7 @@
 //! link poses.
 
 use divan::Bencher;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use stiction::collision::{CollisionModel, Detector, LinkPose, link_poses};
 use stiction::math;
 use stiction::random::Stream;
@@ -74,7 +74,7 @@ struct Setup {
 }
 
 fn setup(case: &Case) -> Setup {
-    let cbi = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/cbi/cbi.toml");
+    let cbi = crate::repository().join("robots/cbi/cbi.toml");
     let path = if let Bodies::TalosAllPairs = case.bodies { talos().expect("listed only if found") } else { cbi };
     let Robot { model: robot, self_collision, .. } = stiction::robot::load(&path).expect("a robot that loads");
     let model = match case.bodies {
@@ -126,7 +126,7 @@ fn colliding_pairs(bencher: Bencher, case: &Case) {
 /// Poses of all 39 links of CB-i; add this time to any of the above.
 #[divan::bench]
 fn kinematics(bencher: Bencher) {
-    let cbi = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/cbi/cbi.toml");
+    let cbi = crate::repository().join("robots/cbi/cbi.toml");
     let robot = stiction::robot::load(&cbi).expect("our own robot").model;
     let (all, mut at) = (postures(&robot, "unrelated"), 0);
     let mut poses = vec![LinkPose::IDENTITY; robot.links.len()];
@@ -140,7 +140,7 @@ fn kinematics(bencher: Bencher) {
 /// Bodies and pairs of CB-i, including the search for pairs that cannot meet.
 #[divan::bench(sample_count = 10)]
 fn building_the_model(bencher: Bencher) {
-    let cbi = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/cbi/cbi.toml");
+    let cbi = crate::repository().join("robots/cbi/cbi.toml");
     let robot = stiction::robot::load(&cbi).expect("our own robot");
     super::each(bencher, || CollisionModel::new(&robot.model, &robot.self_collision).pairs.len());
 }

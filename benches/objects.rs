@@ -3,12 +3,11 @@
 use super::standing::{after, parsed};
 use divan::Bencher;
 use std::fmt::Write;
-use std::path::Path;
 use stiction::sim::{NullObserver, Simulation};
 
 /// A scene of fixed steps, after this number of them.
 fn scene(name: &str, text: &str, steps: usize) -> Simulation {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = crate::repository();
     let text = format!("duration = 1e6\nintegrator = {{ method = \"semi-implicit\", step = 1e-3 }}\n{text}");
     after(parsed(&root.join(name), &text), steps)
 }
@@ -39,7 +38,7 @@ fn boxes_in_a_stack(bencher: Bencher, count: usize) {
 
 #[divan::bench]
 fn lying_step(bencher: Bencher) {
-    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/hoap2-falls.toml"));
+    let text = std::fs::read_to_string(crate::repository().join("scenarios/hoap2-falls.toml"));
     let text = text.expect("the scenario is there");
     let kept: String = text.split("[[expect]]").next().expect("its first part").to_owned();
     let mut sim = scene("scenarios/bench.toml", &kept.replacen("duration = ", "# duration = ", 1), 5000);

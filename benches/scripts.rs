@@ -2,7 +2,6 @@
 //! position and a velocity at every tick, and a force on one link.
 
 use divan::Bencher;
-use std::path::Path;
 use stiction::dynamics::{State, Workspace, kinematics};
 use stiction::force::profile::{Profile, Shape};
 use stiction::force::wrench::Wrench;
@@ -31,7 +30,7 @@ end";
 const PUSH: &str = "function run(robot) return { { link = \"torso\", force = { 1, 2, 3 } } } end";
 
 fn hoap2() -> Model {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.toml");
+    let path = crate::repository().join("robots/hoap2/hoap2.toml");
     robot::load(&path).expect("our own robot").model
 }
 

@@ -29,7 +29,7 @@ pub fn robots() -> Vec<Standing> {
     struct File {
         robot: Vec<Standing>,
     }
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots");
+    let own = crate::repository().join("robots");
     let package = std::env::var_os("EXAMPLE_ROBOT_DATA").map(PathBuf::from);
     let folders: Vec<PathBuf> = package.into_iter().flat_map(|at| [at.join("robots"), at]).chain([own]).collect();
     let File { robot } = toml::from_str(include_str!("standing.toml")).expect("a list of robots");

@@ -7,7 +7,6 @@
 
 use super::standing::{self, Servos, Standing, after, parsed};
 use divan::Bencher;
-use std::path::Path;
 use std::slice;
 use stiction::contact::methods::registry::{MethodDescriptor, MethodParameters};
 use stiction::contact::model::problem::Tolerances;
@@ -34,7 +33,7 @@ fn setup(method: &str, integrator: &str) -> Setup {
         duration = 1e6
         profile = \"half-sine\"\n"
     );
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = crate::repository();
     parsed(&root.join("bench.toml"), &text)
 }
 

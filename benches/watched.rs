@@ -33,7 +33,7 @@ fn setup_with(lines: &str) -> Setup {
         period = 1.0
         repetitions = 1000000\n"
     );
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = crate::repository();
     let file = scenario::parse(&root.join("bench.toml"), &text).expect("our own scenario");
     let run = file.expand(&[]).expect("a single run").remove(0);
     let robot = robot::load(&run.resolve(&run.scenario.robot.model)).expect("our own robot");
@@ -57,7 +57,7 @@ fn each(bencher: Bencher, setup: Setup, observer: &mut dyn Observer) {
 
 /// A log in this folder, and other outputs.
 pub fn log(setup: &Setup, folder: Option<&Path>, outlet: Option<Box<dyn MessageSink>>) -> LogWriter {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.urdf");
+    let file = crate::repository().join("robots/hoap2/hoap2.urdf");
     let urdf = std::fs::read_to_string(file).expect("our own robot");
     let header = LogHeader {
         scenario_name: "bench",

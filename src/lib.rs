@@ -68,49 +68,27 @@
 // documented library. They are hidden from rustdoc alone, so that the lint above covers them too.
 mod api;
 #[cfg_attr(doc, doc(hidden))]
-pub mod assemble;
-#[cfg_attr(doc, doc(hidden))]
-pub mod batch;
-#[cfg_attr(doc, doc(hidden))]
 pub mod cli;
 #[cfg_attr(doc, doc(hidden))]
 pub mod console;
 #[cfg_attr(doc, doc(hidden))]
-pub mod convert;
-#[cfg_attr(doc, doc(hidden))]
-pub mod export;
-#[cfg_attr(doc, doc(hidden))]
-pub mod files;
-#[cfg_attr(doc, doc(hidden))]
 pub mod fit;
-#[cfg_attr(doc, doc(hidden))]
-pub mod live;
-#[cfg_attr(doc, doc(hidden))]
-pub mod log;
-#[cfg_attr(doc, doc(hidden))]
-pub mod policy;
-#[cfg_attr(doc, doc(hidden))]
-pub mod remote;
 #[cfg_attr(doc, doc(hidden))]
 pub mod replay;
 #[cfg_attr(doc, doc(hidden))]
-pub mod report;
-#[cfg_attr(doc, doc(hidden))]
-pub mod results;
-#[cfg_attr(doc, doc(hidden))]
 pub mod schema_page;
-#[cfg_attr(doc, doc(hidden))]
-pub mod script;
 #[cfg_attr(doc, doc(hidden))]
 pub mod submit;
 #[cfg_attr(doc, doc(hidden))]
 pub mod view;
-#[cfg_attr(doc, doc(hidden))]
-pub mod web;
 
-// Modules of the format and of the simulator, under the same paths.
+// Modules of the other crates, under the same paths.
 #[cfg_attr(doc, doc(hidden))]
 pub use stiction_format::{scenario, search, statistics};
+#[cfg_attr(doc, doc(hidden))]
+pub use stiction_runs::{
+    assemble, batch, convert, export, files, live, log, policy, remote, report, results, script, web,
+};
 #[doc(inline)]
 pub use stiction_simulator::patches;
 #[cfg_attr(doc, doc(hidden))]

@@ -7,7 +7,6 @@ use super::standing;
 use divan::Bencher;
 use humanoid::humanoid;
 use nalgebra::{Matrix3, Vector3};
-use std::path::Path;
 use stiction::dynamics::{self, Reduced, State, Workspace, aba, crba, factor, kinematics, reduced, rnea};
 use stiction::robot::Model;
 
@@ -30,7 +29,7 @@ struct Setup {
 fn setup(robot: &str) -> Setup {
     let model = match robot {
         "hoap2" => {
-            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/hoap2/hoap2.toml");
+            let path = crate::repository().join("robots/hoap2/hoap2.toml");
             stiction::robot::load(&path).expect("our own robot").model
         }
         "humanoid" => humanoid([6, 7, 3]),

@@ -3,7 +3,6 @@
 use super::interleaved::{Values, rounds};
 use crate::{standing, watched};
 use cpu_time::ThreadTime;
-use std::path::Path;
 use stiction::sim::{NullObserver, Observer, Setup, Simulation};
 
 const ROUNDS: usize = 19;
@@ -28,7 +27,7 @@ fn setup(rate: f64) -> Setup {
         duration = 20.0
         profile = \"half-sine\"\n"
     );
-    standing::parsed(&Path::new(env!("CARGO_MANIFEST_DIR")).join("bench.toml"), &text)
+    standing::parsed(&crate::repository().join("bench.toml"), &text)
 }
 
 /// Times a round, us.

@@ -95,7 +95,7 @@ fn all_processes() -> f64 {
 fn batch(kind: &Kind, jobs: usize) -> Batch {
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = folder.path().join("batch.toml");
-    std::fs::write(&scenario, (kind.scenario)(Path::new(env!("CARGO_MANIFEST_DIR")))).expect("it is written");
+    std::fs::write(&scenario, (kind.scenario)(crate::repository())).expect("it is written");
     let options = Options { output: folder.path().join("results"), jobs, log: kind.log, ..Options::default() };
     let (begin, cpu, all) = (Instant::now(), ProcessTime::now(), all_processes());
     let report = run_batch([&scenario], options).unwrap_or_else(|e| panic!("{e}"));

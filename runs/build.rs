@@ -1,5 +1,5 @@
-//! Names the build by a hash of its sources, which records store. It needs no version control and no clock, so builds are
-//! reproducible and equal sources have equal names everywhere.
+//! Names the build by a hash of the sources of this crate and of those below it, on which results depend. Records store it.
+//! It needs no version control and no clock, so builds are reproducible and equal sources have equal names everywhere.
 
 use std::path::{Path, PathBuf};
 
@@ -15,19 +15,21 @@ impl Fnv {
 }
 
 fn main() {
-    let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
+    let own = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
+    // A packaged crate comes alone; its `Cargo.lock` names the crates below it by their checksums.
+    let workspace = own.parent().filter(|root| root.join("simulator/src").exists());
+    let crates = "runs/src runs/Cargo.toml format/src format/Cargo.toml simulator/src simulator/Cargo.toml";
+    let crates = if workspace.is_some() { crates } else { "src" };
+    let root = workspace.unwrap_or(&own);
     let mut files = Vec::new();
-    // A packaged crate comes without the two crates below it, which `Cargo.lock` names by their checksums.
-    for name in
-        ["src", "format/src", "format/Cargo.toml", "simulator/src", "simulator/Cargo.toml", "Cargo.toml", "Cargo.lock"]
-    {
+    for name in crates.split(' ').chain(["Cargo.toml", "Cargo.lock"]) {
         if root.join(name).exists() {
-            println!("cargo:rerun-if-changed={name}");
+            println!("cargo:rerun-if-changed={}", root.join(name).display());
             gather(&root.join(name), &mut files);
         }
     }
     // The order in which a folder lists its files depends on the system.
-    let mut named: Vec<(String, PathBuf)> = files.into_iter().map(|path| (name_of(&path, &root), path)).collect();
+    let mut named: Vec<(String, PathBuf)> = files.into_iter().map(|path| (name_of(&path, root), path)).collect();
     named.sort();
     let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
     for (name, path) in named {

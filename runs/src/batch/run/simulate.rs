@@ -296,7 +296,7 @@ pub fn open_log(
 }
 
 /// What a log shows besides the robot's state.
-pub(crate) struct Scene<'a> {
+pub struct Scene<'a> {
     /// The robot.
     pub model: &'a Model,
     /// The floor.
@@ -308,7 +308,7 @@ pub(crate) struct Scene<'a> {
 }
 
 /// Opens the log of a run in this scene.
-pub(crate) fn open_log_of(
+pub fn open_log_of(
     (path, sink): (Option<&Path>, Option<Box<dyn MessageSink>>),
     run: &Run,
     key: &str,
@@ -383,7 +383,7 @@ fn pose(floor: &Floor) -> Isometry3<f64> {
 }
 
 /// Topic groups that a scenario logs.
-pub(crate) fn topics(logged: &[LogTopic]) -> TopicGroups {
+pub fn topics(logged: &[LogTopic]) -> TopicGroups {
     TopicGroups {
         state: logged.contains(&LogTopic::State),
         contact: logged.contains(&LogTopic::Contact),

@@ -13,7 +13,7 @@ thread_local! {
 /// Calls `f` and returns a panic as text: its message and location. Panics elsewhere print as usual.
 ///
 /// After a panic, data of `f` is only dropped, so its invariants may be broken.
-pub(crate) fn catch_panic<T>(f: impl FnOnce() -> T) -> Result<T, String> {
+pub fn catch_panic<T>(f: impl FnOnce() -> T) -> Result<T, String> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {
         let default_hook = take_hook();
@@ -41,7 +41,7 @@ mod tests {
         let number = "x".parse::<u8>();
         let caught = catch_panic(|| number.clone().expect("a number")).unwrap_err();
         assert!(caught.starts_with("panic: a number: ParseIntError"), "{caught}");
-        assert!(caught.contains(" at src/files/panic_capture.rs:"), "{caught}");
+        assert!(caught.contains(" at runs/src/files/panic_capture.rs:"), "{caught}");
         assert_eq!(catch_panic(|| 3), Ok(3), "the next call is not affected");
     }
 }

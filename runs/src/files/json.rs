@@ -12,7 +12,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// The text is invalid, a field is missing, or the version differs from `expected`.
-pub(crate) fn parse<T: DeserializeOwned>(bytes: &[u8], path: &Path, expected: u32) -> Result<T, RecordError> {
+pub fn parse<T: DeserializeOwned>(bytes: &[u8], path: &Path, expected: u32) -> Result<T, RecordError> {
     #[derive(Deserialize)]
     struct Version {
         schema: u64,
@@ -54,7 +54,7 @@ pub(crate) fn write_checked(path: &Path, value: &impl Serialize) -> Result<(), R
 ///
 /// # Errors
 /// The folder or file cannot be written.
-pub(crate) fn write_pretty(path: &Path, value: &impl Serialize) -> Result<(), RecordError> {
+pub fn write_pretty(path: &Path, value: &impl Serialize) -> Result<(), RecordError> {
     atomic::write(path, |out| {
         serde_json::to_writer_pretty(&mut *out, value)
             .map_err(|source| RecordError::Json { path: path.to_owned(), source })?;

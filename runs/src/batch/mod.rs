@@ -47,6 +47,7 @@ pub use run::live_clients::LiveClients;
 pub use run::outputs::{Body, RunOutputs, Track};
 pub use run::plausibility::marks_implausible;
 pub use run::run_end::RunEnd;
-pub(crate) use run::simulate::{Scene, open_log_of, topics};
-pub use run::simulate::{open_log, simulate, simulate_with_clients, simulate_with_command_source};
+pub use run::simulate::{
+    Scene, open_log, open_log_of, simulate, simulate_with_clients, simulate_with_command_source, topics,
+};
 pub use runner::{Batch, Interrupter, on_threads};

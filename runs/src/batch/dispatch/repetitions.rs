@@ -70,7 +70,7 @@ mod tests {
 
     /// A block whose script uses nine tenths of its budget while it is loaded.
     fn slow_to_load(folder: &std::path::Path) -> Plan {
-        let robots = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("robots/block/block.toml");
+        let robots = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots/block/block.toml");
         let scenario = format!(
             "duration = 0.01\n[robot]\nmodel = {robots:?}\n[[force]]\ntype = \"script\"\nfile = \"slow.luau\"\n"
         );

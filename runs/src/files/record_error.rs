@@ -158,7 +158,7 @@ pub enum RecordError {
 
 impl RecordError {
     /// Adds a path to an input or output error.
-    pub(crate) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+    pub fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::Io { path: path.to_owned(), source }
     }
 

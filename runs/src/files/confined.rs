@@ -13,7 +13,7 @@ use std::path::{Component, Path};
 ///
 /// # Errors
 /// Its name leads out of `root`, or it or one of its folders is a link.
-pub(crate) fn check(root: &Path, path: &Path) -> Result<(), RecordError> {
+pub fn check(root: &Path, path: &Path) -> Result<(), RecordError> {
     let below =
         path.strip_prefix(root).ok().filter(|below| below.components().all(|c| matches!(c, Component::Normal(_))));
     let Some(below) = below else {

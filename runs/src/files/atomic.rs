@@ -86,7 +86,7 @@ pub(crate) fn modified(path: &Path) -> Option<SystemTime> {
 
 /// Writes a file through `fill` and publishes it. On error, an older file stays unchanged and no
 /// temporary file remains.
-pub(crate) fn write(
+pub fn write(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<File>) -> Result<(), RecordError>,
 ) -> Result<(), RecordError> {
@@ -141,7 +141,7 @@ impl OutputKind {
 }
 
 /// First line of a saved session.
-pub(crate) const SESSION: &str = "# A session at the console";
+pub const SESSION: &str = "# A session at the console";
 
 /// Extensions of inputs and logs, which a table must not replace.
 const INPUTS: [&str; 3] = ["toml", "urdf", "mcap"];
@@ -174,9 +174,9 @@ pub fn check_replaceable(path: &Path, kind: OutputKind) -> Result<(), RecordErro
     Err(RecordError::io(path)(std::io::Error::new(ErrorKind::AlreadyExists, reason)))
 }
 
-/// Like [`write`], for a file named by the user. Follows links; writes in place to a pipe, a device
+/// Like [`write()`], for a file named by the user. Follows links; writes in place to a pipe, a device
 /// or `/dev/stdout`. Checks [`check_replaceable`].
-pub(crate) fn write_named(
+pub fn write_named(
     path: &Path,
     kind: OutputKind,
     fill: impl FnOnce(&mut BufWriter<File>) -> Result<(), RecordError>,

@@ -71,7 +71,7 @@ pub fn write_junit(path: &Path, cases: &[JunitCase], time: Duration) -> Result<(
         let total = suite.time.unwrap_or_default() + case.time.unwrap_or_default();
         suite.add_test_case(test_case(case)).set_time(total);
     }
-    let mut report = Report::new(env!("CARGO_PKG_NAME"));
+    let mut report = Report::new("stiction");
     report.set_time(time).add_test_suites(suites.into_iter().map(|(_, suite)| suite));
     let text = report.to_string().map_err(|source| RecordError::Junit { path: path.to_owned(), source })?;
     atomic::write_named(path, atomic::OutputKind::Junit, |out| {

@@ -98,7 +98,7 @@ impl Plan {
     }
 
     /// Sets the swept parameters that runs report: a resolved scenario sweeps nothing.
-    pub(crate) fn set_swept_parameters(&mut self, parameters: &[(String, ParamValue)]) {
+    pub fn set_swept_parameters(&mut self, parameters: &[(String, ParamValue)]) {
         self.swept = Some(parameters.iter().map(|(name, value)| (name.clone(), to_toml(value))).collect());
     }
 
