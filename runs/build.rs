@@ -14,23 +14,25 @@ impl Fnv {
     }
 }
 
+/// This crate and those below it, in a workspace.
+const CRATES: [&str; 5] = ["runs", "format", "simulator", "models", "numerics"];
+
 fn main() {
     let own = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
     // A packaged crate comes alone; its `Cargo.lock` names the crates below it by their checksums.
     let workspace = own.parent().filter(|root| root.join("simulator/src").exists());
-    let crates = "runs/src runs/Cargo.toml format/src format/Cargo.toml simulator/src simulator/Cargo.toml";
-    let crates = if workspace.is_some() { crates } else { "src" };
     let root = workspace.unwrap_or(&own);
+    let crates = if workspace.is_some() { &CRATES[..] } else { &[""] };
+    let parts = crates.iter().flat_map(|name| ["src", "Cargo.toml"].map(|part| root.join(name).join(part)));
     let mut files = Vec::new();
-    for name in crates.split(' ').chain(["Cargo.toml", "Cargo.lock"]) {
-        if root.join(name).exists() {
-            println!("cargo:rerun-if-changed={}", root.join(name).display());
-            gather(&root.join(name), &mut files);
-        }
+    for path in parts.chain([root.join("Cargo.toml"), root.join("Cargo.lock")]).filter(|path| path.exists()) {
+        println!("cargo:rerun-if-changed={}", path.display());
+        gather(&path, &mut files);
     }
     // The order in which a folder lists its files depends on the system.
     let mut named: Vec<(String, PathBuf)> = files.into_iter().map(|path| (name_of(&path, root), path)).collect();
     named.sort();
+    named.dedup();
     let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
     for (name, path) in named {
         let bytes = std::fs::read(&path).unwrap_or_default();

@@ -86,16 +86,17 @@ pub mod view;
 #[cfg_attr(doc, doc(hidden))]
 pub use stiction_format::{scenario, search, statistics};
 #[cfg_attr(doc, doc(hidden))]
+pub use stiction_models::{input, mesh, metrics, robot, sdf, text};
+#[cfg_attr(doc, doc(hidden))]
+pub use stiction_numerics::{geometry, integrate, linalg, math, random};
+#[cfg_attr(doc, doc(hidden))]
 pub use stiction_runs::{
     assemble, batch, convert, export, files, live, log, policy, remote, report, results, script, web,
 };
 #[doc(inline)]
 pub use stiction_simulator::patches;
 #[cfg_attr(doc, doc(hidden))]
-pub use stiction_simulator::{
-    collision, contact, dynamics, force, geometry, input, integrate, linalg, math, mesh, metrics, motion, random,
-    robot, sdf, sim, task, terrain, text,
-};
+pub use stiction_simulator::{collision, contact, dynamics, force, motion, sim, task, terrain};
 
 /// Types of the fields of [`Setup`].
 pub mod setup {

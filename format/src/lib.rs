@@ -12,5 +12,7 @@ pub mod scenario;
 pub mod search;
 pub mod statistics;
 
-// The simulator's modules, under the same paths.
-use stiction_simulator::{contact, geometry, input, math, metrics, random, robot, sdf, text};
+// The modules of the crates below, under the same paths.
+use stiction_models::{input, metrics, robot, sdf, text};
+use stiction_numerics::{geometry, math, random};
+use stiction_simulator::contact;

@@ -23,9 +23,8 @@ pub mod results;
 pub mod script;
 pub mod web;
 
-// The modules of the format and of the simulator, under the same paths.
+// The modules of the crates below, under the same paths.
 use stiction_format::{scenario, search, statistics};
-use stiction_simulator::{
-    collision, contact, dynamics, force, geometry, input, integrate, math, mesh, metrics, motion, patches, random,
-    robot, sim, task, terrain, text,
-};
+use stiction_models::{input, mesh, metrics, robot, text};
+use stiction_numerics::{geometry, integrate, math, random};
+use stiction_simulator::{collision, contact, dynamics, force, motion, patches, sim, task, terrain};

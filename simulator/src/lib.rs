@@ -1,5 +1,4 @@
-//! The simulator of `stiction`: robots, dynamics, contact with exact Coulomb friction, integration,
-//! tasks and force models.
+//! The simulator of `stiction`: dynamics, contact with exact Coulomb friction, tasks and force models.
 //!
 //! The package `stiction` exports what programs need; use it through that package. The modules here
 //! belong to it and may change at any time.
@@ -13,19 +12,12 @@ pub mod collision;
 pub mod contact;
 pub mod dynamics;
 pub mod force;
-pub mod geometry;
-pub mod input;
-pub mod integrate;
-pub mod linalg;
-pub mod math;
-pub mod mesh;
-pub mod metrics;
 pub mod motion;
 pub mod patches;
-pub mod random;
-pub mod robot;
-pub mod sdf;
 pub mod sim;
 pub mod task;
 pub mod terrain;
-pub mod text;
+
+// The modules of numerics and models, under the same paths.
+use stiction_models::{input, metrics, robot, text};
+use stiction_numerics::{geometry, integrate, linalg, math, random};

@@ -18,8 +18,9 @@ fn repository() -> &'static Path {
 
 /// Folders of the sources, lowest crate first. Each crate exports the rooms below it under their
 /// names.
-fn sources() -> [PathBuf; 4] {
-    ["simulator/src", "format/src", "runs/src", "src"].map(|folder| repository().join(folder))
+fn sources() -> [PathBuf; 6] {
+    ["numerics/src", "models/src", "simulator/src", "format/src", "runs/src", "src"]
+        .map(|folder| repository().join(folder))
 }
 
 /// Folder or file of a room.
@@ -100,7 +101,15 @@ fn imports() -> Imports {
             let code = text.split("\nmod tests {").next().unwrap();
             let lines: Vec<&str> = code.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
             let code = lines.join("\n");
-            for root in ["crate::", "stiction::", "stiction_format::", "stiction_runs::", "stiction_simulator::"] {
+            for root in [
+                "crate::",
+                "stiction::",
+                "stiction_format::",
+                "stiction_models::",
+                "stiction_numerics::",
+                "stiction_runs::",
+                "stiction_simulator::",
+            ] {
                 for (at, _) in code.match_indices(root) {
                     if code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':') {
                         continue;
@@ -233,8 +242,20 @@ fn rooms_have_no_cycle() {
 /// Paths of this repository in a page: in backticks or as link targets, without placeholders in
 /// capitals.
 fn named_paths(page: &str) -> Vec<&str> {
-    const ROOTS: [&str; 10] =
-        ["src/", "format/", "runs/", "simulator/", "tests/", "docs/", "scenarios/", "robots/", "examples/", "engines/"];
+    const ROOTS: [&str; 12] = [
+        "src/",
+        "format/",
+        "models/",
+        "numerics/",
+        "runs/",
+        "simulator/",
+        "tests/",
+        "docs/",
+        "scenarios/",
+        "robots/",
+        "examples/",
+        "engines/",
+    ];
     let pieces = page.split(['`', '(', ')', ' ', ',', '\n', '"', '|', ';']);
     // The reader of the tutorial creates `scenarios/mine/`.
     let path = |piece: &str| ROOTS.iter().any(|root| piece.starts_with(root)) && !piece.starts_with("scenarios/mine");

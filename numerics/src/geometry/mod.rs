@@ -6,13 +6,15 @@
 //!   simplification.
 //! - `spatial_hull`: hulls of bodies.
 //! - `polyhedron`: volume, centre and inertia of bodies.
+//! - `distinct_points`: points without repetition, of meshes.
 //! - `convex_polygon`, `simple_polygon`: checks of polygons in input files.
 //! - `stable_point`: the centre of the largest disc in a polygon.
 //!
-//! Imports: `math`. Used by: `robot`, `collision`, `task`, `terrain`, `scenario`, `sim`,
-//! `assemble`, `batch`, `convert`.
+//! Imports: `math`. Used by: `mesh`, `robot`, `terrain`, `task`, `sim`, `scenario`, `convert`,
+//! `assemble`, `batch`, `collision`.
 
 pub mod convex_polygon;
+mod distinct_points;
 pub mod outline;
 pub mod planar_hull;
 pub mod plane;
@@ -21,6 +23,7 @@ pub mod simple_polygon;
 pub mod spatial_hull;
 pub mod stable_point;
 
+pub use distinct_points::distinct_points;
 pub use planar_hull::convex_hull;
 pub use plane::Plane;
 pub use spatial_hull::convex_hull_3d;

@@ -1,14 +1,13 @@
 //! Reads mesh files (STL, OBJ, COLLADA) to vertices and triangles. A mesh may be flat or open:
 //! drawing and sole detection need no volume.
 //!
-//! Imports: `text`. Used by: `robot`, `assemble`.
+//! Imports: `geometry`, `text`. Used by: `robot`, `assemble`.
 
 mod collada;
 
-use std::collections::HashMap;
-use std::path::Path;
-
+use crate::geometry;
 use nalgebra::{Point3, Vector3};
+use std::path::Path;
 
 /// Largest coordinate, m: fourth powers of greater ones overflow.
 const MAX_COORDINATE: f64 = 1e60;
@@ -120,20 +119,10 @@ fn to_soup(scene: std::io::Result<mesh_loader::Scene>) -> Result<Soup, MeshError
 }
 
 fn weld_vertices(raw: &Soup) -> Result<Soup, MeshError> {
-    let mut index: HashMap<[u64; 3], u32> = HashMap::new();
-    let mut vertices = Vec::new();
-    let mut renumbered = Vec::with_capacity(raw.vertices.len());
-    for p in &raw.vertices {
-        if !p.iter().all(|x| x.is_finite()) {
-            return Err("a vertex is not finite".into());
-        }
-        // Adding 0 turns -0 into 0, the same position with other bits.
-        let key = [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits());
-        renumbered.push(*index.entry(key).or_insert_with(|| {
-            vertices.push(*p);
-            vertices.len() as u32 - 1
-        }));
+    if !raw.vertices.iter().all(|p| p.iter().all(|x| x.is_finite())) {
+        return Err("a vertex is not finite".into());
     }
+    let (vertices, renumbered) = geometry::distinct_points(&raw.vertices);
     let mut triangles = Vec::with_capacity(raw.triangles.len());
     for face in &raw.triangles {
         let corner = |i: usize| renumbered.get(face[i] as usize).copied();

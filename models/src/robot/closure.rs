@@ -1,5 +1,5 @@
 //! Conditions that the tree of links does not contain: coupled joints and closed loops. Their equations are
-//! in [`crate::dynamics::constraints`].
+//! in `dynamics::constraints`.
 
 use super::model::{JointId, LinkId};
 use nalgebra::Isometry3;
