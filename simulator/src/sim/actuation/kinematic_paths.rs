@@ -392,6 +392,7 @@ fn extrapolate(a: &JointMotion, b: &JointMotion, before: f64, ahead: f64) -> Joi
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::parse;
 
     #[test]
     fn path_is_the_cubic_of_its_ends() {
@@ -432,6 +433,44 @@ mod tests {
             // Divided differences amplify rounding by some 3^7; derivatives are per 0.1 s.
             assert!((m.q - x.q).abs() < 1e-13 && (m.qd - x.qd).abs() < 1e-11, "{m:?} {x:?}");
             assert!((m.qdd - x.qdd).abs() < 2e-9, "{m:?} {x:?}");
+        }
+    }
+
+    #[test]
+    fn spans_are_joined_where_accelerations_continue() {
+        let link = |name: &str| {
+            format!(
+                "<link name=\"{name}\"><inertial><mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\" ixy=\"0\" \
+                 ixz=\"0\" iyz=\"0\"/></inertial></link>"
+            )
+        };
+        let text = format!(
+            "<robot name=\"r\">{}{}<joint name=\"j\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/>\
+             <axis xyz=\"0 0 1\"/></joint></robot>",
+            link("a"),
+            link("b")
+        );
+        let model = parse("r.urdf".as_ref(), text, None).unwrap().model;
+        let hold = Command { mode: vec![DriveMode::Position], ..Command::hold(&model, &[0.0]) };
+        // A motion with another acceleration from 0.02 s on, rad/s^2.
+        let at = |t: f64, jump: f64| {
+            let after = (t - 0.02).max(0.0);
+            let q = math::sin(3.0 * t) + 0.5 * jump * after * after;
+            Command { position: vec![q], velocity: vec![3.0 * math::cos(3.0 * t) + jump * after], ..hold.clone() }
+        };
+        for (jump, joined) in [(0.0, true), (1e-5, true), (1e-3, false), (-50.0, false)] {
+            let mut paths = KinematicPaths::new(1, Interpolation::Continuous);
+            let mut state = State::home(&model);
+            for (begin, is_joined) in [(0.0, false), (0.02, joined), (0.04, true)] {
+                state.time = begin;
+                let span = Span { end: begin + 0.02, ticks: 20, is_smooth: true };
+                let instant = |k: usize| begin + INSTANTS.get(k).map_or(0.019, |s| 0.02 * s);
+                let ahead = array::from_fn(|k| at(instant(k), jump));
+                assert!(paths.plan_ahead((&model, &state), &at(begin, jump), &span, &ahead), "{jump} {begin}");
+                assert_eq!(paths.are_joined(begin), is_joined, "{jump} {begin}");
+            }
+            // The last one ends.
+            assert!(!paths.are_joined(0.06));
         }
     }
 
