@@ -15,7 +15,7 @@ impl Fnv {
 }
 
 /// This crate and those below it, in a workspace.
-const CRATES: [&str; 5] = ["runs", "format", "simulator", "models", "numerics"];
+const CRATES: [&str; 6] = ["runs", "assembly", "format", "simulator", "models", "numerics"];
 
 fn main() {
     let own = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());

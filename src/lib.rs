@@ -84,15 +84,15 @@ pub mod view;
 
 // Modules of the other crates, under the same paths.
 #[cfg_attr(doc, doc(hidden))]
+pub use stiction_assembly::{assemble, convert, files, log, policy, script};
+#[cfg_attr(doc, doc(hidden))]
 pub use stiction_format::{scenario, search, statistics};
 #[cfg_attr(doc, doc(hidden))]
 pub use stiction_models::{input, mesh, metrics, robot, sdf, text};
 #[cfg_attr(doc, doc(hidden))]
 pub use stiction_numerics::{geometry, integrate, linalg, math, random};
 #[cfg_attr(doc, doc(hidden))]
-pub use stiction_runs::{
-    assemble, batch, convert, export, files, live, log, policy, remote, report, results, script, web,
-};
+pub use stiction_runs::{batch, export, live, remote, report, results, web};
 #[doc(inline)]
 pub use stiction_simulator::patches;
 #[cfg_attr(doc, doc(hidden))]

@@ -73,8 +73,8 @@ fn expand(tree: &str, prefix: &[String], found: &mut Vec<Module>) {
 fn absolute(path: &Module, module: &Module, children: &BTreeSet<Module>) -> Option<Module> {
     let mut path = path.clone();
     match path.first()?.as_str() {
-        "crate" | "stiction" | "stiction_format" | "stiction_models" | "stiction_numerics" | "stiction_runs"
-        | "stiction_simulator" => Some(path.split_off(1)),
+        "crate" | "stiction" | "stiction_assembly" | "stiction_format" | "stiction_models" | "stiction_numerics"
+        | "stiction_runs" | "stiction_simulator" => Some(path.split_off(1)),
         "super" => {
             let mut base = module.clone();
             while path.first().is_some_and(|part| part == "super") {

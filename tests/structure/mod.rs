@@ -18,8 +18,8 @@ fn repository() -> &'static Path {
 
 /// Folders of the sources, lowest crate first. Each crate exports the rooms below it under their
 /// names.
-fn sources() -> [PathBuf; 6] {
-    ["numerics/src", "models/src", "simulator/src", "format/src", "runs/src", "src"]
+fn sources() -> [PathBuf; 7] {
+    ["numerics/src", "models/src", "simulator/src", "format/src", "assembly/src", "runs/src", "src"]
         .map(|folder| repository().join(folder))
 }
 
@@ -104,6 +104,7 @@ fn imports() -> Imports {
             for root in [
                 "crate::",
                 "stiction::",
+                "stiction_assembly::",
                 "stiction_format::",
                 "stiction_models::",
                 "stiction_numerics::",
@@ -242,8 +243,9 @@ fn rooms_have_no_cycle() {
 /// Paths of this repository in a page: in backticks or as link targets, without placeholders in
 /// capitals.
 fn named_paths(page: &str) -> Vec<&str> {
-    const ROOTS: [&str; 12] = [
+    const ROOTS: [&str; 13] = [
         "src/",
+        "assembly/",
         "format/",
         "models/",
         "numerics/",

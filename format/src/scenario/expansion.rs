@@ -260,14 +260,17 @@ impl Expansion {
                 Some(reference) => {
                     let (by, later) = if reference.has_own_seed() { (0, 0) } else { (repetition, later) };
                     let scenario = seeded(&reference.scenario, by);
-                    let (run, _) = parts.run(index, scenario, later, &reference_inputs, &reference.values, findings)?;
+                    let run = parts.run(index, scenario, later, &reference_inputs, &reference.values, findings)?;
                     Some(Box::new(run))
                 }
                 None => None,
             };
-            let (run, table) = parts.run(index, seeded(&scenario, repetition), later, &inputs, &[], findings)?;
-            let mut parameters = table.map(|table| Cell::parameters(&cell, &root, &table)).unwrap_or_default();
+            let run = parts.run(index, seeded(&scenario, repetition), later, &inputs, &[], findings)?;
+            let mut parameters = Vec::new();
             if values == Values::Written {
+                // The run has its text, so its table can be written too.
+                let table = || run.scenario.to_table().unwrap_or_default();
+                parameters = Cell::parameters(&cell, &root, &table);
                 let axes = self.search.iter().flat_map(|search| &search.axes);
                 parameters.extend(axes.zip(&searched).map(|(axis, (_, node))| (axis.name.clone(), node.to_toml())));
             }
@@ -317,14 +320,14 @@ impl CellParts<'_> {
         inputs: &[Input],
         values: &[(KeyPath, Node)],
         findings: &mut Findings,
-    ) -> Option<(Run, Option<toml::Table>)> {
+    ) -> Option<Run> {
         let Expansion { file, base, .. } = self.expansion;
         let written = match self.values {
-            Values::Written => resolved(&scenario).map(|(text, table)| (text, Some(table))),
-            Values::Checked => check_seed(scenario.seed.saturating_add(later)).map(|()| (String::new(), None)),
+            Values::Written => resolved(&scenario),
+            Values::Checked => check_seed(scenario.seed.saturating_add(later)).map(|()| String::new()),
         };
         match written {
-            Ok((resolved_toml, table)) => {
+            Ok(resolved_toml) => {
                 let mut run = Run {
                     name: file.name(),
                     file: file.path.clone(),
@@ -347,7 +350,7 @@ impl CellParts<'_> {
                 };
                 // With errors among the findings the run is dropped.
                 run.events = events::read(&run, self.sources, findings).unwrap_or_default();
-                Some((run, table))
+                Some(run)
             }
             Err(error) => {
                 findings.error(KeyPath::internal("seed").locate(self.root).1, error.to_string(), None);
@@ -404,8 +407,8 @@ fn definition(root: &Node) -> [u8; 32] {
     *hasher.finalize().as_bytes()
 }
 
-/// The scenario with every value written out, as a text and as a table.
-fn resolved(scenario: &Scenario) -> Result<(String, toml::Table), ResolveError> {
+/// The scenario with every value written out.
+fn resolved(scenario: &Scenario) -> Result<String, ResolveError> {
     check_seed(scenario.seed)?;
-    Ok((toml::to_string(scenario)?, toml::Table::try_from(scenario)?))
+    Ok(scenario.to_toml()?)
 }

@@ -156,6 +156,29 @@ pub(super) fn check_format(root: &Node, findings: &mut Findings) -> bool {
     false
 }
 
+impl Scenario {
+    /// The scenario, for serializers.
+    pub fn erased(&self) -> &dyn erased_serde::Serialize {
+        self
+    }
+
+    /// All values, defaults included, as a text in TOML.
+    ///
+    /// # Errors
+    /// The seed is beyond the whole numbers of TOML.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(self.erased())
+    }
+
+    /// All values, defaults included, as a table.
+    ///
+    /// # Errors
+    /// See [`Scenario::to_toml`].
+    pub fn to_table(&self) -> Result<toml::Table, toml::ser::Error> {
+        toml::Table::try_from(self.erased())
+    }
+}
+
 /// Reads a scenario; `None` after an error, which is among the findings.
 pub(super) fn read(root: &Node) -> (Option<Scenario>, Findings) {
     let mut findings = Findings::default();

@@ -77,7 +77,7 @@ pub fn write_fit_page(path: &Path, page: &FitPage) -> Result<(), RecordError> {
         .and_then(|environment| {
             environment.get_template("fit.html")?.render(context! { style, ..Value::from(Serde(&values)) })
         })
-        .map_err(|source| RecordError::Report { path: path.to_owned(), source })?;
+        .map_err(|source| RecordError::Report { path: path.to_owned(), source: source.into() })?;
     atomic::write_named(path, atomic::OutputKind::Page, |out| {
         out.write_all(html.as_bytes()).map_err(RecordError::io(path))
     })

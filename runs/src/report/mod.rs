@@ -167,7 +167,7 @@ pub fn report_html(
     batch: (&Pictured, ShownBatch),
 ) -> Result<String, RecordError> {
     let page = page(results, (runs, statistics), references, batch)?;
-    render(&page).map_err(|source| RecordError::Report { path: path.to_owned(), source })
+    render(&page).map_err(|source| RecordError::Report { path: path.to_owned(), source: source.into() })
 }
 
 /// Writes the text of a report.

@@ -73,7 +73,8 @@ pub fn write_junit(path: &Path, cases: &[JunitCase], time: Duration) -> Result<(
     }
     let mut report = Report::new("stiction");
     report.set_time(time).add_test_suites(suites.into_iter().map(|(_, suite)| suite));
-    let text = report.to_string().map_err(|source| RecordError::Junit { path: path.to_owned(), source })?;
+    let text =
+        report.to_string().map_err(|source| RecordError::Junit { path: path.to_owned(), source: source.into() })?;
     atomic::write_named(path, atomic::OutputKind::Junit, |out| {
         out.write_all(text.as_bytes()).map_err(RecordError::io(path))
     })

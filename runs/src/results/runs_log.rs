@@ -3,7 +3,7 @@
 //! with the process.
 
 use crate::files::checksum::{self, Layout};
-use crate::files::{RecordError, atomic, confined, durability};
+use crate::files::{RecordError, atomic, confined, durability, json};
 use crate::metrics::{COLUMNS, number::Real};
 use crate::results::SummaryRow;
 use crate::results::summary::TEXT_COLUMNS;
@@ -185,7 +185,7 @@ fn remove_torn_line(file: &mut File) -> std::io::Result<()> {
 
 /// The line of a run, with its checksum and end.
 fn encoded(row: &SummaryRow) -> serde_json::Result<Vec<u8>> {
-    let mut line = serde_json::to_vec(&Line(row))?;
+    let mut line = json::compact(&Line(row))?;
     checksum::append(&mut line, Layout::Line);
     line.push(b'\n');
     Ok(line)

@@ -121,9 +121,9 @@ impl ShardHead {
                 text.push(b'\n');
                 out.write_all(&text).map_err(RecordError::io(&path))
             };
-            line(serde_json::to_vec(self))?;
+            line(json::compact(self))?;
             for run in runs {
-                line(serde_json::to_vec(&run))?;
+                line(json::compact(&run))?;
             }
             Ok(())
         })

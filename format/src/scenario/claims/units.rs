@@ -73,7 +73,7 @@ impl<'a> SweptKey<'a> {
     pub fn value(&self, at: usize, base: &Node) -> Option<toml::Value> {
         let given = self.key.value(at).or_else(|| self.key.path.get(base)).map(Node::to_toml);
         given.or_else(|| {
-            let defaults = toml::Table::try_from(Scenario::default()).ok()?;
+            let defaults = Scenario::default().to_table().ok()?;
             self.key.path.look_up(&defaults).cloned()
         })
     }

@@ -1,5 +1,7 @@
 //! The combinations of swept values, by number.
 
+use std::cell::LazyCell;
+
 use serde::Deserialize;
 
 use super::dimensions::{self, Group};
@@ -140,10 +142,11 @@ impl Cell<'_> {
 
     /// The values under the names in the file. A key without a value in this cell has that of the
     /// run's tree, or the default in `resolved`; none if that is a table.
-    pub fn parameters(&self, root: &Node, resolved: &toml::Table) -> Vec<(String, toml::Value)> {
+    pub fn parameters(&self, root: &Node, resolved: &dyn Fn() -> toml::Table) -> Vec<(String, toml::Value)> {
+        let resolved = LazyCell::new(resolved);
         let fallback = |path: &KeyPath| match path.get(root) {
             Some(node) => Some(node.to_toml()),
-            None => path.look_up(resolved).filter(|value| !value.is_table()).cloned(),
+            None => path.look_up(&resolved).filter(|value| !value.is_table()).cloned(),
         };
         let value = |key: &Key, value: &Option<&Node>| value.map(Node::to_toml).or_else(|| fallback(&key.path));
         self.keys.iter().filter_map(|(key, given)| Some((key.name.clone(), value(key, given)?))).collect()

@@ -77,8 +77,7 @@ impl<'a> RunView<'a> {
     fn table(&mut self) -> &toml::Value {
         let run = self.run;
         // Planning serialized the scenario without an error.
-        let resolve =
-            || toml::Value::try_from(&run.scenario).unwrap_or_else(|_| toml::Value::Table(toml::Table::new()));
+        let resolve = || toml::Value::Table(run.scenario.to_table().unwrap_or_default());
         self.table.get_or_insert_with(resolve)
     }
 }

@@ -15,6 +15,7 @@ use std::collections::BTreeMap;
 use schemars::{JsonSchema, Schema, json_schema};
 use serde::Serialize;
 
+use crate::files::json;
 use crate::results::claims::ClaimVerdict;
 use crate::results::searches::SearchResult;
 use crate::results::{Measure, ParamValue, Verdict};
@@ -197,8 +198,9 @@ impl Message {
     /// The message as a line, with its line break.
     pub fn line(self) -> String {
         // Never an error: map keys are texts, and numbers that JSON lacks are written as texts.
-        let line = serde_json::to_string(&Line { schema: MESSAGE_SCHEMA, message: self });
-        line.map_or_else(|error| format!("{{\"error\":\"{error}\"}}\n"), |line| line + "\n")
+        let line = json::compact(&Line { schema: MESSAGE_SCHEMA, message: self });
+        let text = line.map(|line| String::from_utf8_lossy(&line).into_owned());
+        text.unwrap_or_else(|error| format!("{{\"error\":\"{error}\"}}")) + "\n"
     }
 }
 

@@ -9,6 +9,7 @@
 
 use std::sync::Arc;
 
+use crate::files::json;
 use crate::robot::Robot;
 use crate::scenario::{CompareSpec, Input, KeyHasher, ObjectSpec, Run, Scenario};
 
@@ -22,9 +23,7 @@ const MARKERS: [u64; 2] = [1_111_111_111_111_111_111, 2_222_222_222_222_222_222]
 pub(super) struct RunKeys {
     scenario: Scenario,
     /// The text of the scenario before and after its seed; none if it is written for each run.
-    parts: Option<[String; 2]>,
-    /// The text of the last run's scenario.
-    text: Vec<u8>,
+    parts: Option<[Vec<u8>; 2]>,
     files: Arc<HashedFiles>,
 }
 
@@ -101,7 +100,7 @@ impl RunKeys {
         let compare = scenario.compare.take().map(|compare| CompareSpec { timing_repeats: None, ..compare });
         scenario.compare = compare.filter(|compare| *compare != CompareSpec::default());
         let parts = if repetitions > 2 { split(&scenario)? } else { None };
-        Ok(RunKeys { scenario, parts, text: Vec::new(), files: last.of(run, robots) })
+        Ok(RunKeys { scenario, parts, files: last.of(run, robots) })
     }
 
     /// The key of the run with this seed.
@@ -112,13 +111,11 @@ impl RunKeys {
         let mut hasher = self.files.before.clone();
         match &self.parts {
             Some([before, after]) => {
-                hasher.add(SCENARIO, &[before.as_bytes(), seed.to_string().as_bytes(), after.as_bytes()]);
+                hasher.add(SCENARIO, &[before, seed.to_string().as_bytes(), after]);
             }
             None => {
                 self.scenario.seed = seed;
-                self.text.clear();
-                serde_json::to_writer(&mut self.text, &self.scenario)?;
-                hasher.add(SCENARIO, &[&self.text]);
+                hasher.add(SCENARIO, &[&json::compact(self.scenario.erased())?]);
             }
         }
         self.files.after.iter().for_each(|(label, bytes)| hasher.add(label, &[bytes]));
@@ -128,17 +125,17 @@ impl RunKeys {
 
 /// The text of a scenario before and after its seed: what two texts with different seeds share.
 /// None if they differ elsewhere.
-fn split(scenario: &Scenario) -> Result<Option<[String; 2]>, serde_json::Error> {
+fn split(scenario: &Scenario) -> Result<Option<[Vec<u8>; 2]>, serde_json::Error> {
     let mut scenario = scenario.clone();
     let mut written = |seed: u64| {
         scenario.seed = seed;
-        serde_json::to_string(&scenario)
+        json::compact(scenario.erased())
     };
     let (a, b) = (written(MARKERS[0])?, written(MARKERS[1])?);
-    let Some(at) = a.bytes().zip(b.bytes()).position(|(a, b)| a != b) else { return Ok(None) };
-    let parts = |text: &str, seed: u64| {
+    let Some(at) = a.iter().zip(&b).position(|(a, b)| a != b) else { return Ok(None) };
+    let parts = |text: &[u8], seed: u64| {
         let (before, rest) = text.split_at_checked(at)?;
-        Some([before.to_owned(), rest.strip_prefix(seed.to_string().as_str())?.to_owned()])
+        Some([before.to_vec(), rest.strip_prefix(seed.to_string().as_bytes())?.to_vec()])
     };
     Ok(parts(&a, MARKERS[0]).filter(|found| parts(&b, MARKERS[1]).as_ref() == Some(found)))
 }
@@ -155,7 +152,7 @@ mod tests {
         let [before, after] = split(&scenario).unwrap().expect("only the seed differs");
         for seed in [0, 7, 12_345, i64::MAX as u64] {
             let written = serde_json::to_string(&Scenario { seed, ..scenario.clone() }).unwrap();
-            assert_eq!(format!("{before}{seed}{after}"), written);
+            assert_eq!([&before[..], seed.to_string().as_bytes(), &after].concat(), written.as_bytes());
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-use polars::prelude::{Column, DataFrame, PolarsResult};
+use polars::prelude::{Column, DataFrame, PolarsError, PolarsResult};
 use polars_io::parquet::write::ParquetWriter;
 use serde::Serialize;
 
@@ -65,7 +65,7 @@ pub fn append(path: &Path, results: &mut Results, label: Option<&str>, keep: usi
     let new = result_frame(results, &digest, label)?;
     let removed = surplus(&old.entries, keep, new.height());
     let from = old.entries.get(removed).map_or(old.frame.height(), |entry| entry.rows.start);
-    let table = |error| RecordError::Summary { path: path.to_owned(), source: error };
+    let table = |error: PolarsError| RecordError::Summary { path: path.to_owned(), source: error.into() };
     let kept = old.frame.slice(from as i64, old.frame.height() - from);
     let mut all = joined(&kept, &new).map_err(table)?;
     write_named(path, OutputKind::History, |out| ParquetWriter::new(out).finish(&mut all).map(|_| ()).map_err(table))?;

@@ -6,7 +6,7 @@ use crate::files::{RecordError, atomic};
 use crate::metrics::{COLUMNS, Measure};
 use crate::results::summary::summary_row::{TEXT_COLUMNS, truth_columns, truth_error};
 use crate::results::{ParamValue, SummaryRow};
-use polars::prelude::{Column, DataFrame, NamedFrom, PolarsResult, Series};
+use polars::prelude::{Column, DataFrame, NamedFrom, PolarsError, PolarsResult, Series};
 use polars_io::SerWriter;
 use polars_io::csv::write::CsvWriter;
 use polars_io::parquet::write::ParquetWriter;
@@ -109,7 +109,7 @@ impl SummaryColumns {
         let files = SummaryFiles { csv: folder.join(names::SUMMARY_CSV), parquet: folder.join(names::SUMMARY_PARQUET) };
         let failure = |path: &Path| {
             let path = path.to_owned();
-            move |source| RecordError::Summary { path, source }
+            move |source: PolarsError| RecordError::Summary { path, source: source.into() }
         };
         let empty = Cells::new(self).frame().map_err(failure(&files.csv))?;
         let (schema, threads) = (empty.schema(), rayon::current_num_threads());

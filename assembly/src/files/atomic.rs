@@ -10,7 +10,7 @@ use tempfile::{NamedTempFile, TempPath};
 /// Creates a temporary file in the folder of `path`, which is created if needed; it vanishes unless
 /// [`publish`] renames it. While it is open it is locked, where the file system has locks, so that
 /// [`remove_partial`] keeps it.
-pub(crate) fn temporary(path: &Path) -> Result<(File, TempPath), RecordError> {
+pub fn temporary(path: &Path) -> Result<(File, TempPath), RecordError> {
     let folder = durability::folder_of(path);
     durability::create_folder(folder).map_err(RecordError::io(folder))?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -43,7 +43,7 @@ fn remove_partial_of(folder: &Path, name: &str) {
 
 /// True for an incomplete version of a file whose name begins with `name`, unless another program
 /// is writing it.
-pub(crate) fn is_abandoned(path: &Path, name: &str) -> bool {
+pub fn is_abandoned(path: &Path, name: &str) -> bool {
     let found = path.file_name().unwrap_or_default().to_string_lossy();
     let begins = found.strip_prefix('.').is_some_and(|rest| rest.starts_with(name));
     begins && found.ends_with(PARTIAL) && !is_locked(path)
@@ -65,7 +65,7 @@ fn builder(prefix: &str) -> tempfile::Builder<'_, 'static> {
 }
 
 /// Accepts a missing file as removed.
-pub(crate) fn if_present(removed: std::io::Result<()>) -> std::io::Result<()> {
+pub fn if_present(removed: std::io::Result<()>) -> std::io::Result<()> {
     match removed {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
         other => other,
@@ -73,14 +73,14 @@ pub(crate) fn if_present(removed: std::io::Result<()>) -> std::io::Result<()> {
 }
 
 /// Renames a finished file onto `path`.
-pub(crate) fn publish(temporary: TempPath, path: &Path) -> Result<(), RecordError> {
+pub fn publish(temporary: TempPath, path: &Path) -> Result<(), RecordError> {
     durability::sync_path(&temporary).map_err(RecordError::io(path))?;
     temporary.persist(path).map_err(|e| RecordError::Io { path: path.to_owned(), source: e.error })?;
     durability::sync_folder_of(path).map_err(RecordError::io(path))
 }
 
 /// When a file was last written, if that is known.
-pub(crate) fn modified(path: &Path) -> Option<SystemTime> {
+pub fn modified(path: &Path) -> Option<SystemTime> {
     path.metadata().ok()?.modified().ok()
 }
 

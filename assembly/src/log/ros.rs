@@ -13,7 +13,8 @@ pub struct Time {
 }
 
 impl Time {
-    pub(crate) fn from_nanoseconds(ns: u64) -> Self {
+    /// An instant in simulated time.
+    pub fn from_nanoseconds(ns: u64) -> Self {
         Self { sec: i32::try_from(ns / 1_000_000_000).unwrap_or(i32::MAX), nanosec: (ns % 1_000_000_000) as u32 }
     }
 }
@@ -50,7 +51,7 @@ pub struct Text {
 }
 
 /// Definition of `sensor_msgs/msg/JointState` and its dependencies, schema encoding `ros2msg`.
-pub(crate) const JOINT_STATE: &str = "\
+pub const JOINT_STATE: &str = "\
 std_msgs/Header header
 string[] name
 float64[] position
@@ -67,4 +68,4 @@ uint32 nanosec
 ";
 
 /// Definition of `std_msgs/msg/String`.
-pub(crate) const STRING: &str = "string data\n";
+pub const STRING: &str = "string data\n";

@@ -5,7 +5,7 @@ use foxglove::messages::{Color, Point3, Pose, Quaternion, Timestamp, Vector3};
 use nalgebra as na;
 
 /// Simulated seconds as nanoseconds from the start of the run; negative times and NaN become 0.
-pub(crate) fn nanoseconds(time: f64) -> u64 {
+pub fn nanoseconds(time: f64) -> u64 {
     (time * 1e9).round() as u64
 }
 

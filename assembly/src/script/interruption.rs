@@ -12,7 +12,7 @@ thread_local! {
 
 /// What ends the scripts of a thread.
 #[derive(Clone, Default)]
-pub(crate) struct Interruption {
+pub struct Interruption {
     flag: Option<Arc<AtomicBool>>,
     /// Instant at which the limit expires, and the limit.
     deadline: Option<(Instant, Duration)>,
@@ -61,6 +61,6 @@ pub(super) fn current() -> Interruption {
 }
 
 /// The flag of this thread, if it has one.
-pub(crate) fn flag() -> Option<Arc<AtomicBool>> {
+pub fn flag() -> Option<Arc<AtomicBool>> {
     current().flag
 }

@@ -28,8 +28,8 @@ mod self_collision_topic;
 mod state_topics;
 mod topic;
 
-pub(crate) use conversion::nanoseconds;
-pub(crate) use frames_topic::{object_frame, sole_frame, welds};
+pub use conversion::nanoseconds;
+pub use frames_topic::{object_frame, sole_frame, welds};
 pub use log_header::{AttachedText, LogHeader};
 pub(in crate::log) use log_output::log_options;
 pub use log_writer::LogWriter;

@@ -5,9 +5,9 @@
 //! `batch`, `replay`, `view`, `cli`, `console`, `submit`, `fit`.
 
 pub mod atomic;
-pub(crate) mod checksum;
+pub mod checksum;
 pub mod confined;
-pub(crate) mod durability;
+pub mod durability;
 pub mod json;
 mod key_levels;
 mod lock;
@@ -16,10 +16,10 @@ mod panic_capture;
 mod record_error;
 
 pub use atomic::{OutputKind, SESSION, check_replaceable, remove_partial, write_named};
-pub(crate) use atomic::{if_present, is_abandoned, modified};
+pub use atomic::{if_present, is_abandoned, modified};
 pub use durability::make_durable;
 pub use key_levels::KeyLevels;
-pub(crate) use key_levels::run_folders;
-pub(crate) use lock::FileLock;
+pub use key_levels::run_folders;
+pub use lock::FileLock;
 pub use panic_capture::catch_panic;
 pub use record_error::RecordError;

@@ -15,29 +15,29 @@ pub fn make_durable() {
 }
 
 /// Waits until a file is on the device, if writes are durable.
-pub(crate) fn sync_file(file: &File) -> std::io::Result<()> {
+pub fn sync_file(file: &File) -> std::io::Result<()> {
     if DURABLE.load(Ordering::Relaxed) { file.sync_all() } else { Ok(()) }
 }
 
 /// Like [`sync_file`], for a closed file.
-pub(crate) fn sync_path(path: &Path) -> std::io::Result<()> {
+pub fn sync_path(path: &Path) -> std::io::Result<()> {
     if DURABLE.load(Ordering::Relaxed) { File::open(path)?.sync_all() } else { Ok(()) }
 }
 
 /// Waits until the names in the folder of `path` are on the device, if writes are durable.
-pub(crate) fn sync_folder_of(path: &Path) -> std::io::Result<()> {
+pub fn sync_folder_of(path: &Path) -> std::io::Result<()> {
     // Other systems have no such operation.
     if cfg!(unix) { sync_path(folder_of(path)) } else { Ok(()) }
 }
 
 /// The folder of `path`, `.` for a bare name.
-pub(crate) fn folder_of(path: &Path) -> &Path {
+pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Creates a folder with its ancestors; if writes are durable, waits until the new names are on the
 /// device.
-pub(crate) fn create_folder(folder: &Path) -> std::io::Result<()> {
+pub fn create_folder(folder: &Path) -> std::io::Result<()> {
     if !DURABLE.load(Ordering::Relaxed) {
         return std::fs::create_dir_all(folder);
     }

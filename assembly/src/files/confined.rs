@@ -36,7 +36,7 @@ pub fn check(root: &Path, path: &Path) -> Result<(), RecordError> {
 }
 
 /// True if the name is a single path component.
-pub(crate) fn is_plain(name: &str) -> bool {
+pub fn is_plain(name: &str) -> bool {
     let mut parts = Path::new(name).components();
     matches!((parts.next(), parts.next()), (Some(Component::Normal(only)), None) if only == name)
         && !name.contains('\0')

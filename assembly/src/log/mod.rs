@@ -28,4 +28,4 @@ pub use read::{SelfCollisionSeries, SoleReadings};
 pub use salvage::{SalvageError, Salvaged, salvage};
 pub use topic_groups::{ParseTopicError, TopicGroups};
 pub use write::{AttachedText, ChannelInfo, LogHeader, LogWriter, MessageSink};
-pub(crate) use write::{nanoseconds, object_frame, sole_frame, welds};
+pub use write::{nanoseconds, object_frame, sole_frame, welds};

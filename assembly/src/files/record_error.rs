@@ -120,7 +120,7 @@ pub enum RecordError {
         /// The table.
         path: PathBuf,
         /// The cause.
-        source: polars::error::PolarsError,
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// A second record of one run.
     #[error("{path}: the same run as {other}")]
@@ -144,7 +144,7 @@ pub enum RecordError {
         /// The file.
         path: PathBuf,
         /// The cause.
-        source: quick_junit::SerializeError,
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// The report could not be written.
     #[error("{path}: cannot write the report: {source}")]
@@ -152,7 +152,7 @@ pub enum RecordError {
         /// The report.
         path: PathBuf,
         /// The cause.
-        source: minijinja::Error,
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
 }
 

@@ -57,7 +57,7 @@ impl TryFrom<u8> for KeyLevels {
 }
 
 /// Folders of runs in the folder of a scenario, in all layouts, relative to it.
-pub(crate) fn run_folders(scenario: &Path) -> Vec<PathBuf> {
+pub fn run_folders(scenario: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut add = |below: PathBuf, levels: usize, left: &mut Vec<(PathBuf, usize)>| {
         let entries = std::fs::read_dir(scenario.join(&below)).into_iter().flatten().flatten();

@@ -22,12 +22,12 @@ pub(super) fn world_frame(model: &Model) -> &'static str {
 }
 
 /// Name of the frame of an object's link: no link of the robot has it.
-pub(crate) fn object_frame(link: &str) -> String {
+pub fn object_frame(link: &str) -> String {
     format!("object/{link}")
 }
 
 /// Name of the frame of a sole.
-pub(crate) fn sole_frame(sole: &str) -> String {
+pub fn sole_frame(sole: &str) -> String {
     format!("sole/{sole}")
 }
 
@@ -160,7 +160,7 @@ fn fixed(model: &Model, urdf: &str) -> Vec<Vec<u8>> {
 
 /// Parents of the links that fixed joints attach. The model merges chains of them into one link;
 /// the URDF has the chain.
-pub(crate) fn welds(urdf: &str) -> HashMap<String, String> {
+pub fn welds(urdf: &str) -> HashMap<String, String> {
     let Ok(document) = roxmltree::Document::parse(urdf) else { return HashMap::new() };
     let joints = document.root_element().children().filter(|n| n.has_tag_name("joint"));
     let link = |joint: roxmltree::Node, end: &str| {

@@ -41,7 +41,7 @@ mod tests {
         let number = "x".parse::<u8>();
         let caught = catch_panic(|| number.clone().expect("a number")).unwrap_err();
         assert!(caught.starts_with("panic: a number: ParseIntError"), "{caught}");
-        assert!(caught.contains(" at runs/src/files/panic_capture.rs:"), "{caught}");
+        assert!(caught.contains(" at assembly/src/files/panic_capture.rs:"), "{caught}");
         assert_eq!(catch_panic(|| 3), Ok(3), "the next call is not affected");
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::files::checksum::{self, Layout};
 use crate::files::{RecordError, atomic};
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::Path;
 
@@ -29,7 +29,7 @@ pub fn parse<T: DeserializeOwned>(bytes: &[u8], path: &Path, expected: u32) -> R
 ///
 /// # Errors
 /// See [`parse`]; also, the object does not match its checksum.
-pub(crate) fn parse_checked<T: DeserializeOwned>(bytes: &[u8], path: &Path, expected: u32) -> Result<T, RecordError> {
+pub fn parse_checked<T: DeserializeOwned>(bytes: &[u8], path: &Path, expected: u32) -> Result<T, RecordError> {
     let parsed = parse(bytes, path, expected)?;
     if checksum::is_intact(bytes, Layout::Pretty) {
         Ok(parsed)
@@ -38,13 +38,28 @@ pub(crate) fn parse_checked<T: DeserializeOwned>(bytes: &[u8], path: &Path, expe
     }
 }
 
+/// A value as JSON on one line. This serializer is compiled here once, for all types.
+///
+/// # Errors
+/// The value has map keys that are no texts, or refuses to be written.
+pub fn compact(value: &dyn erased_serde::Serialize) -> serde_json::Result<Vec<u8>> {
+    serde_json::to_vec(value)
+}
+
+/// A value as indented JSON; see [`compact`].
+///
+/// # Errors
+/// See [`compact`].
+pub fn pretty(value: &dyn erased_serde::Serialize) -> serde_json::Result<Vec<u8>> {
+    serde_json::to_vec_pretty(value)
+}
+
 /// Writes an object as indented JSON with its checksum, as [`atomic::write`].
 ///
 /// # Errors
 /// The folder or file cannot be written.
-pub(crate) fn write_checked(path: &Path, value: &impl Serialize) -> Result<(), RecordError> {
-    let mut text =
-        serde_json::to_vec_pretty(value).map_err(|source| RecordError::Json { path: path.to_owned(), source })?;
+pub fn write_checked(path: &Path, value: &dyn erased_serde::Serialize) -> Result<(), RecordError> {
+    let mut text = pretty(value).map_err(|source| RecordError::Json { path: path.to_owned(), source })?;
     checksum::append(&mut text, Layout::Pretty);
     text.push(b'\n');
     atomic::write(path, |out| out.write_all(&text).map_err(RecordError::io(path)))
@@ -54,10 +69,8 @@ pub(crate) fn write_checked(path: &Path, value: &impl Serialize) -> Result<(), R
 ///
 /// # Errors
 /// The folder or file cannot be written.
-pub fn write_pretty(path: &Path, value: &impl Serialize) -> Result<(), RecordError> {
-    atomic::write(path, |out| {
-        serde_json::to_writer_pretty(&mut *out, value)
-            .map_err(|source| RecordError::Json { path: path.to_owned(), source })?;
-        out.write_all(b"\n").map_err(RecordError::io(path))
-    })
+pub fn write_pretty(path: &Path, value: &dyn erased_serde::Serialize) -> Result<(), RecordError> {
+    let mut text = pretty(value).map_err(|source| RecordError::Json { path: path.to_owned(), source })?;
+    text.push(b'\n');
+    atomic::write(path, |out| out.write_all(&text).map_err(RecordError::io(path)))
 }

@@ -5,7 +5,7 @@ use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
 
 /// A lock, held until it is dropped or the process ends.
-pub(crate) struct FileLock {
+pub struct FileLock {
     _file: File,
 }
 

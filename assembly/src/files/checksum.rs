@@ -4,11 +4,11 @@
 //! Objects without a checksum, which earlier versions wrote, are accepted.
 
 /// Name of the member.
-pub(crate) const MEMBER: &str = "checksum";
+pub const MEMBER: &str = "checksum";
 
 /// Layout of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Layout {
+pub enum Layout {
     /// Indented by two spaces; the checksum has 64 digits.
     Pretty,
     /// On one line; the checksum has 16 digits.
@@ -51,7 +51,7 @@ impl Layout {
 }
 
 /// Adds the checksum to the text of an object with at least one member, without a final line break.
-pub(crate) fn append(object: &mut Vec<u8>, layout: Layout) {
+pub fn append(object: &mut Vec<u8>, layout: Layout) {
     let digits = layout.hash([object, b""]);
     object.truncate(object.len().saturating_sub(layout.end().len()));
     for part in [layout.before(), &digits, "\"", layout.end()] {
@@ -60,7 +60,7 @@ pub(crate) fn append(object: &mut Vec<u8>, layout: Layout) {
 }
 
 /// True unless the object has a checksum of another text. A final line break does not count.
-pub(crate) fn is_intact(object: &[u8], layout: Layout) -> bool {
+pub fn is_intact(object: &[u8], layout: Layout) -> bool {
     let object = object.strip_suffix(b"\n").unwrap_or(object);
     let (before, end) = (layout.before().as_bytes(), layout.end().as_bytes());
     let length = before.len() + layout.digits() + 1 + end.len();

@@ -21,7 +21,7 @@ pub mod script_task;
 
 pub use convert::{ForceEntry, MAX_FORCES, RobotNames};
 pub use global_lists::{MAX_NAME, MAX_POINTS};
-pub(crate) use interruption::flag as interruption_flag;
+pub use interruption::flag as interruption_flag;
 pub use interruption::{interruptible, time_limited};
 pub use sandbox::{BUDGET, BYTES, MEMORY};
 pub use script_error::ScriptError;
