@@ -191,8 +191,23 @@ fn not_a_name(found: &Value, known: &[&str]) -> DecodeError {
     DecodeError::predicate(format!("must be {}, not {found}", known.join(" or ")), None)
 }
 
+/// The error of a value that its reader does not take.
+fn unexpected(found: &Value, expected: &dyn Expected) -> DecodeError {
+    let found = match found {
+        Value::String(text) => Unexpected::Str(text),
+        Value::Datetime(time) => return unexpected_date(time, expected),
+        Value::Integer(number) => Unexpected::Signed(*number),
+        Value::Float(number) => Unexpected::Float(*number),
+        Value::Boolean(yes) => Unexpected::Bool(*yes),
+        Value::Array(_) => Unexpected::Seq,
+        Value::Table(_) => Unexpected::Map,
+    };
+    de::Error::invalid_type(found, expected)
+}
+
 /// Reads one node. Its methods and those of `Items` and `Entries` are compiled for each type that is read, so what
-/// does not depend on the type is a function of its own.
+/// does not depend on the type is a function of its own, and a type that takes one kind of value only has a method of
+/// its own: `deserialize_any` would compile its reader for all kinds.
 #[derive(Clone, Copy)]
 pub struct NodeDeserializer<'a>(pub &'a Node);
 
@@ -210,15 +225,33 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
             Value::Integer(number) => visitor.visit_i64(*number),
             Value::Float(number) => visitor.visit_f64(*number),
             Value::Boolean(yes) => visitor.visit_bool(*yes),
-            Value::Array(items) => {
-                let mut access = Items { items, next: 0 };
-                match visitor.visit_seq(&mut access) {
-                    // Fixed-size arrays stop reading when they are full.
-                    Ok(_) if access.next < items.len() => Err(access.unread()),
-                    result => result,
-                }
-            }
+            Value::Array(_) => self.deserialize_seq(visitor),
+            Value::Table(_) => self.deserialize_map(visitor),
+        }
+        .map_err(|e| e.at(&self.0.span))
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DecodeError> {
+        let Value::Array(items) = &self.0.value else {
+            return Err(unexpected(&self.0.value, &visitor).at(&self.0.span));
+        };
+        let mut access = Items { items, next: 0 };
+        match visitor.visit_seq(&mut access) {
+            // Fixed-size arrays stop reading when they are full.
+            Ok(_) if access.next < items.len() => Err(access.unread().at(&self.0.span)),
+            Ok(value) => Ok(value),
+            Err(error) => Err(error.at(&self.0.span)),
+        }
+    }
+
+    fn deserialize_tuple<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, DecodeError> {
+        self.deserialize_seq(visitor)
+    }
+
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DecodeError> {
+        match &self.0.value {
             Value::Table(entries) => visitor.visit_map(Entries { entries, next: 0 }),
+            other => Err(unexpected(other, &visitor)),
         }
         .map_err(|e| e.at(&self.0.span))
     }
@@ -240,7 +273,7 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
         // serde would read a struct from an array by position, which is unclear in a file.
         match self.0.value {
             Value::Array(_) => Err(DecodeError::predicate("must be a table, not an array", None).at(&self.0.span)),
-            _ => self.deserialize_any(visitor),
+            _ => self.deserialize_map(visitor),
         }
     }
 
@@ -258,8 +291,8 @@ impl<'de> Deserializer<'de> for NodeDeserializer<'de> {
     }
 
     forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct seq tuple
-        tuple_struct map identifier ignored_any
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct
+        tuple_struct identifier ignored_any
     }
 }
 
