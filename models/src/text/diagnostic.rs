@@ -66,8 +66,7 @@ impl Diagnostic {
     ) -> Self {
         let start = source.char_boundary(range.start);
         // One line is shown, however many a table or an array spans.
-        let line_end = source.text()[start..].find('\n').map_or(source.text().len(), |n| start + n);
-        let end = source.char_boundary(range.end).min(line_end).max(start);
+        let end = source.char_boundary(range.end).min(source.line_end(start)).max(start);
         Diagnostic {
             severity,
             file: source.name(),
@@ -182,7 +181,7 @@ impl Diagnostic {
             Severity::Note => Level::NOTE,
         };
         let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
-        let lines = self.excerpt.as_ref().and_then(|(source, range)| excerpt(source.text(), range.clone()));
+        let lines = self.excerpt.as_ref().and_then(|(source, range)| excerpt(source, range.clone()));
         // Names of files and keys may contain control characters for terminals.
         let (title, file) = (level.primary_title(visible_lines(&self.message)), visible(&self.file));
         let mut group = match lines {

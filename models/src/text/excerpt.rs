@@ -5,6 +5,8 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use super::source::Source;
+
 /// Longest excerpt, bytes.
 const MAX_LENGTH: usize = 64 << 10;
 
@@ -20,9 +22,9 @@ pub struct Excerpt<'a> {
 }
 
 /// The lines of a range of a text (bytes, at character boundaries); none if they are too long.
-pub fn excerpt(text: &str, range: Range<usize>) -> Option<Excerpt<'_>> {
-    let start = text[..range.start].rfind('\n').map_or(0, |at| at + 1);
-    let end = text[range.end..].find('\n').map_or(text.len(), |at| range.end + at);
+pub fn excerpt(source: &Source, range: Range<usize>) -> Option<Excerpt<'_>> {
+    let text = source.text();
+    let (line, start, end) = (source.line(range.start), source.line_start(range.start), source.line_end(range.end));
     // Lines may end in "\r\n".
     let end = if end > range.end && text[..end].ends_with('\r') { end - 1 } else { end };
     if start == end {
@@ -30,7 +32,6 @@ pub fn excerpt(text: &str, range: Range<usize>) -> Option<Excerpt<'_>> {
         // around it.
         return (text.len() <= MAX_LENGTH).then_some(Excerpt { text, line: 1, range });
     }
-    let line = text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count() + 1;
     let range = range.start - start..range.end - start;
     (end - start <= MAX_LENGTH).then(|| Excerpt { text: &text[start..end], line, range })
 }
@@ -86,11 +87,13 @@ mod tests {
     #[test]
     fn whole_lines_are_cut_out() {
         let text = "one\ntwo\nthree";
-        let shown = |range| excerpt(text, range).map(|e| (e.text, e.line, e.range));
-        assert_eq!(shown(4..5), Some(("two", 2, 0..1)));
-        assert_eq!(shown(5..9), Some(("two\nthree", 2, 1..5)));
-        assert_eq!(shown(13..13), Some(("three", 3, 5..5)));
-        assert_eq!(excerpt("a\n\nb", 2..2).map(|e| (e.text, e.line)), Some(("a\n\nb", 1)));
-        assert_eq!(excerpt(&"x".repeat(MAX_LENGTH + 1), 3..4), None);
+        let shown =
+            |text: &str, range| excerpt(&Source::new("", text), range).map(|e| (e.text.to_owned(), e.line, e.range));
+        assert_eq!(shown(text, 4..5), Some(("two".into(), 2, 0..1)));
+        assert_eq!(shown(text, 5..9), Some(("two\nthree".into(), 2, 1..5)));
+        assert_eq!(shown(text, 13..13), Some(("three".into(), 3, 5..5)));
+        assert_eq!(shown("a\r\nb", 0..1), Some(("a".into(), 1, 0..1)));
+        assert_eq!(shown("a\n\nb", 2..2), Some(("a\n\nb".into(), 1, 2..2)));
+        assert_eq!(shown(&"x".repeat(MAX_LENGTH + 1), 3..4), None);
     }
 }

@@ -67,13 +67,23 @@ impl Source {
     pub fn position(&self, byte: usize) -> Position {
         let byte = self.char_boundary(byte);
         let line = self.line(byte);
-        let column = self.0.text[self.lines()[line - 1]..byte].chars().count() + 1;
+        let column = self.0.text[self.line_start(byte)..byte].chars().count() + 1;
         Position { line, column }
     }
 
     /// Line of a byte, from 1.
     pub fn line(&self, byte: usize) -> usize {
         self.lines().partition_point(|start| *start <= byte.min(self.0.text.len()))
+    }
+
+    /// Where the line of a byte starts.
+    pub fn line_start(&self, byte: usize) -> usize {
+        self.lines()[self.line(byte) - 1]
+    }
+
+    /// Where the line of a byte ends, without its line break.
+    pub fn line_end(&self, byte: usize) -> usize {
+        self.lines().get(self.line(byte)).map_or(self.0.text.len(), |next| next - 1)
     }
 
     /// The nearest character boundary at or before a byte.

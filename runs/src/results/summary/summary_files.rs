@@ -6,15 +6,22 @@ use crate::files::{RecordError, atomic};
 use crate::metrics::{COLUMNS, Measure};
 use crate::results::summary::summary_row::{TEXT_COLUMNS, truth_columns, truth_error};
 use crate::results::{ParamValue, SummaryRow};
-use polars::prelude::{Column, DataFrame, NamedFrom, PolarsError, PolarsResult, Series};
+use polars::prelude::{Column, CompatLevel, DataFrame, NamedFrom, PolarsError, PolarsResult, Series};
 use polars_io::SerWriter;
 use polars_io::csv::write::CsvWriter;
-use polars_io::parquet::write::ParquetWriter;
+use polars_io::parquet::write::{BatchedWriter, ParquetWriter};
+use polars_parquet::write::{Encoding, row_group_iter};
 use rayon::prelude::*;
+use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::PoisonError;
 
 /// Rows in memory at a time.
 const PART: usize = 8192;
+
+/// Rows below which values are written as they are, without a list of the different ones: to estimate
+/// their number takes as long for one row as for thousands.
+const FEW: usize = 512;
 
 /// Paths of the summary.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -122,7 +129,16 @@ impl SummaryColumns {
                     .map_err(failure(&files.parquet))?;
                 let mut write = |cells: Cells| {
                     let frame = cells.frame().map_err(failure(&files.csv))?;
-                    let (text, binary) = rayon::join(|| csv.write_batch(&frame), || parquet.write_batch(&frame));
+                    let (text, binary) = rayon::join(
+                        || csv.write_batch(&frame),
+                        || {
+                            if frame.height() < FEW {
+                                write_plain(&parquet, &frame)
+                            } else {
+                                parquet.write_batch(&frame)
+                            }
+                        },
+                    );
                     text.map_err(failure(&files.csv))?;
                     binary.map_err(failure(&files.parquet))
                 };
@@ -140,6 +156,18 @@ impl SummaryColumns {
         })?;
         Ok(files)
     }
+}
+
+/// Appends rows whose values are written as they are.
+fn write_plain<W: Write>(parquet: &BatchedWriter<W>, frame: &DataFrame) -> PolarsResult<()> {
+    let mut file = parquet.get_writer().lock().unwrap_or_else(PoisonError::into_inner);
+    let (options, fields) = (file.options(), file.parquet_schema().fields().to_vec());
+    let encodings = vec![vec![Encoding::Plain]; frame.width()];
+    for rows in frame.iter_chunks(CompatLevel::newest(), false) {
+        let count = rows.len() as u64;
+        file.write(count, row_group_iter(rows, encodings.clone().into(), fields.clone(), options))?;
+    }
+    Ok(())
 }
 
 /// A part of the summary: identity and `seed`; swept parameters; metrics; distances from known
