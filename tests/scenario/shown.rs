@@ -48,6 +48,8 @@ fn dates_are_named_as_dates() {
         ("duration = 1979-05-27T07:32:00Z", "`duration` must be a number, not the date or time 1979-05-27T07:32:00Z"),
         ("seed = 07:32:00", "must be a whole number that is not negative, not the date or time 07:32:00"),
         ("gravity = [0, 0, 1979-05-27]", "`gravity.2` must be a number, not the date or time 1979-05-27"),
+        ("gravity = 07:32:00", "`gravity` must be an array of length 3, not the date or time 07:32:00"),
+        ("stop = 1979-05-27", "`stop` must be a table, not the date or time 1979-05-27"),
         ("contact.method = 1979-05-27", ", not the date or time 1979-05-27"),
     ] {
         let found = first(text);

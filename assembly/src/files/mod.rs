@@ -15,11 +15,10 @@ pub mod names;
 mod panic_capture;
 mod record_error;
 
-pub use atomic::{OutputKind, SESSION, check_replaceable, remove_partial, write_named};
-pub use atomic::{if_present, is_abandoned, modified};
+pub use atomic::{OutputKind, SESSION, check_replaceable, if_present, is_abandoned, modified};
+pub use atomic::{remove_partial, write_named};
 pub use durability::make_durable;
-pub use key_levels::KeyLevels;
-pub use key_levels::run_folders;
+pub use key_levels::{KeyLevels, run_folders};
 pub use lock::FileLock;
 pub use panic_capture::catch_panic;
 pub use record_error::RecordError;

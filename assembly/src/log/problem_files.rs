@@ -93,11 +93,9 @@ impl ProblemWriter {
             selection: selection.clone(),
         };
         let path = self.folder.join(format!("{:04}.json", self.count));
-        atomic::write(&path, |out| {
-            serde_json::to_writer(&mut *out, &record)
-                .map_err(|source| RecordError::Json { path: path.clone(), source })?;
-            out.write_all(b"\n").map_err(RecordError::io(&path))
-        })
+        let mut text = json::compact(&record).map_err(|source| RecordError::Json { path: path.clone(), source })?;
+        text.push(b'\n');
+        atomic::write(&path, |out| out.write_all(&text).map_err(RecordError::io(&path)))
     }
 
     /// A note on problems that were not written, if any.

@@ -81,7 +81,7 @@ impl Source {
         self.lines()[self.line(byte) - 1]
     }
 
-    /// Where the line of a byte ends, without its line break.
+    /// Where the line of a byte ends, without its `\n`.
     pub fn line_end(&self, byte: usize) -> usize {
         self.lines().get(self.line(byte)).map_or(self.0.text.len(), |next| next - 1)
     }

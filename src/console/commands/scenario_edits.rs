@@ -45,7 +45,7 @@ impl Session {
     pub(in crate::console) fn get(&self, args: &mut Arguments) -> Result<String, ConsoleError> {
         let key = args.need("a dotted key")?.to_owned();
         args.done()?;
-        let all = Table::try_from(self.present()).map_err(|error| ConsoleError::usage(error.to_string()))?;
+        let all = self.present().to_table().map_err(|error| ConsoleError::usage(error.to_string()))?;
         let mut value = &Value::Table(all);
         for segment in segments(&key)? {
             let inner = match value {

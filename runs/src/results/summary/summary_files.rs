@@ -19,8 +19,8 @@ use std::sync::PoisonError;
 /// Rows in memory at a time.
 const PART: usize = 8192;
 
-/// Rows below which values are written as they are, without a list of the different ones: to estimate
-/// their number takes as long for one row as for thousands.
+/// Rows below which columns have no dictionaries in Parquet: polars estimates the size of each, which
+/// takes as long for one row as for thousands.
 const FEW: usize = 512;
 
 /// Paths of the summary.
@@ -108,7 +108,7 @@ impl SummaryColumns {
     }
 
     /// Writes the summary of rows whose columns were added. In a pool of one thread no other one takes
-    /// part; else polars takes those of all processors.
+    /// part; else polars takes those of all processors for parts of [`FEW`] rows and more.
     ///
     /// # Errors
     /// See [`write_summary_of`].
@@ -158,7 +158,7 @@ impl SummaryColumns {
     }
 }
 
-/// Appends rows whose values are written as they are.
+/// Appends rows in plain encoding.
 fn write_plain<W: Write>(parquet: &BatchedWriter<W>, frame: &DataFrame) -> PolarsResult<()> {
     let mut file = parquet.get_writer().lock().unwrap_or_else(PoisonError::into_inner);
     let (options, fields) = (file.options(), file.parquet_schema().fields().to_vec());
