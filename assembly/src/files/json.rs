@@ -38,10 +38,10 @@ pub fn parse_checked<T: DeserializeOwned>(bytes: &[u8], path: &Path, expected: u
     }
 }
 
-/// A value as JSON on one line. This serializer is compiled here once, for all types.
+/// A value as JSON on one line. The serializer is compiled here once, for all types.
 ///
 /// # Errors
-/// The value has map keys that are no texts, or refuses to be written.
+/// A map key is not a string, or a `Serialize` implementation fails.
 pub fn compact(value: &dyn erased_serde::Serialize) -> serde_json::Result<Vec<u8>> {
     serde_json::to_vec(value)
 }
@@ -50,7 +50,7 @@ pub fn compact(value: &dyn erased_serde::Serialize) -> serde_json::Result<Vec<u8
 ///
 /// # Errors
 /// See [`compact`].
-pub fn pretty(value: &dyn erased_serde::Serialize) -> serde_json::Result<Vec<u8>> {
+fn pretty(value: &dyn erased_serde::Serialize) -> serde_json::Result<Vec<u8>> {
     serde_json::to_vec_pretty(value)
 }
 

@@ -206,8 +206,8 @@ fn unexpected(found: &Value, expected: &dyn Expected) -> DecodeError {
 }
 
 /// Reads one node. Its methods and those of `Items` and `Entries` are compiled for each type that is read, so what
-/// does not depend on the type is a function of its own, and a type that takes one kind of value only has a method of
-/// its own: `deserialize_any` would compile its reader for all kinds.
+/// does not depend on the type is a function of its own. Structs, arrays and maps have methods of their own, since
+/// `deserialize_any` would compile their readers for all kinds of values.
 #[derive(Clone, Copy)]
 pub struct NodeDeserializer<'a>(pub &'a Node);
 
