@@ -108,7 +108,7 @@ impl SummaryColumns {
     }
 
     /// Writes the summary of rows whose columns were added. In a pool of one thread no other one takes
-    /// part; else polars takes those of all processors for parts of [`FEW`] rows and more.
+    /// part; else polars takes those of all processors for parts of 512 rows and more.
     ///
     /// # Errors
     /// See [`write_summary_of`].
