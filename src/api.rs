@@ -2,10 +2,11 @@
 //!
 //! The crate root exports its types. The program does not use it.
 //!
-//! Imports: `robot`, `scenario`, `sim`, `assemble`, `batch`. Used by: the crate root.
+//! Imports: `robot`, `sim`, `scenario`, `assemble`, `batch`, `report`. Used by: the crate root.
 
 use crate::assemble;
 use crate::batch::{Batch, BatchError, Findings, Options, Progress, Report, on_threads, prepare, simulate};
+use crate::report::batch_page;
 use crate::robot::{self, InertiaPolicy, Robot, RobotError};
 use crate::scenario::{self, Diagnostics, InertiaSpec, Run as ScenarioRun, ScenarioFile};
 use crate::sim::{RunError, Setup, Simulation};
@@ -165,5 +166,5 @@ pub fn run_batch<P: AsRef<Path>>(scenarios: impl IntoIterator<Item = P>, options
     let files: Vec<PathBuf> = scenarios.into_iter().map(|path| path.as_ref().to_owned()).collect();
     let prepared = on_threads(options.jobs, || prepare(&files, &[], scenario::DEFAULT_MAX_RUNS))?;
     let (plan, _) = prepared.map_err(Error::Plan)?;
-    Ok(Batch::new(plan, options)?.run(Progress::Silent, &simulate)?)
+    Ok(Batch::new(plan, options, batch_page)?.run(Progress::Silent, &simulate)?)
 }

@@ -70,17 +70,31 @@ mod api;
 #[cfg_attr(doc, doc(hidden))]
 pub mod cli;
 #[cfg_attr(doc, doc(hidden))]
+pub mod compare;
+#[cfg_attr(doc, doc(hidden))]
 pub mod console;
+#[cfg_attr(doc, doc(hidden))]
+pub mod export;
 #[cfg_attr(doc, doc(hidden))]
 pub mod fit;
 #[cfg_attr(doc, doc(hidden))]
+pub mod history;
+#[cfg_attr(doc, doc(hidden))]
+pub mod live;
+#[cfg_attr(doc, doc(hidden))]
+pub mod merge;
+#[cfg_attr(doc, doc(hidden))]
 pub mod replay;
+#[cfg_attr(doc, doc(hidden))]
+pub mod report;
 #[cfg_attr(doc, doc(hidden))]
 pub mod schema_page;
 #[cfg_attr(doc, doc(hidden))]
 pub mod submit;
 #[cfg_attr(doc, doc(hidden))]
 pub mod view;
+#[cfg_attr(doc, doc(hidden))]
+pub mod web;
 
 // Modules of the other crates, under the same paths.
 #[cfg_attr(doc, doc(hidden))]
@@ -92,7 +106,7 @@ pub use stiction_models::{input, mesh, metrics, robot, sdf, text};
 #[cfg_attr(doc, doc(hidden))]
 pub use stiction_numerics::{geometry, integrate, linalg, math, random};
 #[cfg_attr(doc, doc(hidden))]
-pub use stiction_runs::{batch, export, live, remote, report, results, web};
+pub use stiction_runs::{batch, remote, results};
 #[doc(inline)]
 pub use stiction_simulator::patches;
 #[cfg_attr(doc, doc(hidden))]

@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use stiction::compare::{Limits, Results, compare};
 use stiction::files::names;
+use stiction::history::{Baseline, KEPT_RESULTS, TrendRule, append};
+use stiction::merge::Shards;
 use stiction::report::{Pictured, ShownBatch, ShownHistory, found_runs, write_report_of};
 use stiction::results::claims::{claim_table, read_claims};
-use stiction::results::compare::{Limits, Results, compare};
-use stiction::results::history::{Baseline, KEPT_RESULTS, TrendRule, append};
-use stiction::results::merge::Shards;
 use stiction::results::pareto::{Work, pareto_table};
 use stiction::results::searches::{read_searches, search_table};
 use stiction::results::{
@@ -171,7 +171,7 @@ fn shard_list(bytes: &[u8]) {
     assert!(run.join(names::RUN_RECORD).exists(), "merging removed an input");
 }
 
-fn merge(shard: &Path, output: &Path) -> Result<(), stiction::results::merge::MergeError> {
+fn merge(shard: &Path, output: &Path) -> Result<(), stiction::merge::MergeError> {
     let shards = Shards::open(&[shard.to_owned()])?;
     shards.check_output(output)?;
     let missing = shards.check()?;

@@ -3,10 +3,10 @@
 
 use std::path::{Path, PathBuf};
 
+use stiction::compare::Results;
 use stiction::files::names;
+use stiction::history::{KEPT_RESULTS, append};
 use stiction::results::claims::{ClaimHead, GroupHead, RunClaim};
-use stiction::results::compare::Results;
-use stiction::results::history::{KEPT_RESULTS, append};
 use stiction::scenario::{ClaimSpec, Expect, ExpectedOutcome};
 use stiction::{Options, run_batch};
 

@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stiction::Options;
 use stiction::batch::{Batch, BatchStarted, Message, MessageWriter, Progress, Severity, simulate};
+use stiction::report::batch_page;
 use stiction::sim::Problems;
 
 use crate::errors;
@@ -50,7 +51,7 @@ pub fn run<'py>(
     }
     let jobs = options.jobs.min(plan.runs() + plan.references());
     let started = Message::BatchStarted(BatchStarted { jobs, ..BatchStarted::new(&plan, &options) });
-    let batch = Batch::new(plan, options.clone()).map_err(|error| errors::of_batch(py, &error))?;
+    let batch = Batch::new(plan, options.clone(), batch_page).map_err(|error| errors::of_batch(py, &error))?;
     tell(&started.line())?;
     let interrupter = batch.interrupter();
     let (sender, messages) = channel::<String>();

@@ -1,4 +1,4 @@
-//! Runs of `stiction`: batches, records, tables, reports, links to other processes.
+//! Runs of `stiction`: batches, records, tables, tasks in another process.
 //!
 //! The package `stiction` exports what programs need; use it through that package. The modules here
 //! belong to it and may change at any time.
@@ -9,12 +9,8 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods, clippy::disallowed_types))]
 
 pub mod batch;
-pub mod export;
-pub mod live;
 pub mod remote;
-pub mod report;
 pub mod results;
-pub mod web;
 
 // The modules of the crates below, under the same paths.
 use stiction_assembly::{assemble, convert, files, log, script};

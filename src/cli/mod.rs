@@ -1,9 +1,9 @@
 //! Command line of `runner`: `commands/` has one file per command, `arguments/` what commands
 //! share.
 //!
-//! Imports: `text`, `input`, `robot`, `sim`, `scenario`, `files`, `web`, `convert`, `log`,
-//! `results`, `report`, `export`, `remote`, `live`, `batch`, `replay`, `view`, `schema_page`,
-//! `console`, `collision`, `submit`, `fit`. Used by: the crate root.
+//! Imports: `text`, `input`, `robot`, `sim`, `scenario`, `files`, `convert`, `log`, `results`,
+//! `remote`, `batch`, `web`, `merge`, `compare`, `report`, `export`, `live`, `replay`, `view`,
+//! `schema_page`, `console`, `collision`, `submit`, `fit`, `history`. Used by: the crate root.
 
 // Comments of arguments are help texts for a terminal.
 #![allow(rustdoc::bare_urls)]

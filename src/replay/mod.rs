@@ -7,7 +7,8 @@
 //! A record has the resolved scenario and the hashes of its input files. The files themselves are
 //! read from their recorded paths; changed files are reported.
 //!
-//! Imports: `files`, `scenario`, `sim`, `log`, `results`, `export`, `batch`. Used by: `cli`.
+//! Imports: `sim`, `scenario`, `files`, `log`, `results`, `batch`, `report`, `export`. Used by:
+//! `cli`.
 
 mod compare_logs;
 mod compare_records;

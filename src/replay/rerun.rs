@@ -5,6 +5,7 @@ use crate::files::names;
 use crate::replay::input_change::{InputChange, changes};
 use crate::replay::recorded_run::RecordedRun;
 use crate::replay::replay_error::ReplayError;
+use crate::report::batch_page;
 use crate::scenario;
 use crate::sim::Problems;
 use std::path::{Path, PathBuf};
@@ -77,7 +78,7 @@ pub fn prepare(
         problems,
         timing: false,
     };
-    Ok(PreparedRerun { batch: Batch::new(plan, options)?, path })
+    Ok(PreparedRerun { batch: Batch::new(plan, options, batch_page)?, path })
 }
 
 impl PreparedRerun {

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use stiction::results::compare::Results;
+use stiction::compare::Results;
 
 use super::{Done, Place};
 

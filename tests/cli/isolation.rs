@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use stiction::batch::{Batch, Job, Options, Plan, Progress, Report, Role, RunEnd, RunOutputs, prepare, simulate};
 use stiction::log::{AttachedText, LogHeader, LogWriter, TopicGroups};
+use stiction::report::batch_page;
 use stiction::results::RunRecord;
 use stiction::sim::{Outcome, Problems};
 
@@ -32,7 +33,7 @@ fn run(place: &Place, plan: Plan, jobs: usize, body: &stiction::batch::Body<'_>)
         timing: true,
         resume: false,
     };
-    Batch::new(plan, options).unwrap().run(Progress::Silent, body).unwrap()
+    Batch::new(plan, options, batch_page).unwrap().run(Progress::Silent, body).unwrap()
 }
 
 /// Opens a log as a run does and then panics.

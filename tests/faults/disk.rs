@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use stiction::batch::{Batch, Job, Options, Progress, RunEnd, RunOutputs, prepare, simulate};
 use stiction::files::RecordError;
+use stiction::report::batch_page;
 
 use super::{ARGUMENTS, EXIT_CODE, assert_all_files_complete, batch};
 use crate::cli::{Done, Place};
@@ -103,7 +104,7 @@ fn a_run_on_a_full_disk_is_the_last_to_start() {
         }
         simulate(job, outputs, cancel)
     };
-    let error = Batch::new(plan, options).unwrap().run(Progress::Silent, &body).unwrap_err().to_string();
+    let error = Batch::new(plan, options, batch_page).unwrap().run(Progress::Silent, &body).unwrap_err().to_string();
     assert!(error.contains("log.mcap") && error.contains("no more runs start"), "{error}");
     assert_eq!(ran.load(Ordering::Relaxed), 5);
     assert_eq!(fs::read_dir(output.join("s")).unwrap().count(), 5);

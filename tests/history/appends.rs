@@ -5,7 +5,7 @@ use std::process::Stdio;
 
 use polars::prelude::{Column, NamedFrom, Series};
 use polars_io::parquet::write::ParquetWriter;
-use stiction::results::history::{History, HistoryErrorCause};
+use stiction::history::{History, HistoryErrorCause};
 
 use super::{HEADER, Row, frame, table};
 use crate::cli::Place;
@@ -120,7 +120,7 @@ fn the_oldest_results_leave_a_full_history() {
         assert!(done.stdout.contains(&expected), "{}", done.stdout);
     }
     let history = History::read(&place.path("h.parquet")).unwrap();
-    let labels: Vec<String> = history.entries.iter().map(stiction::results::history::Entry::title).collect();
+    let labels: Vec<String> = history.entries.iter().map(stiction::history::Entry::title).collect();
     assert_eq!(labels, ["v1", "v2", "v3"]);
     assert!(history.entries.iter().all(|entry| entry.runs() == 2));
 }
@@ -182,7 +182,7 @@ fn programs_that_append_at_once_lose_no_result() {
     }
     running.iter_mut().for_each(|child| assert!(matches!(child.wait().unwrap().code(), Some(0 | 1))));
     let history = History::read(&place.path("h.parquet")).unwrap();
-    let mut labels: Vec<String> = history.entries.iter().map(stiction::results::history::Entry::title).collect();
+    let mut labels: Vec<String> = history.entries.iter().map(stiction::history::Entry::title).collect();
     labels.sort();
     assert_eq!(labels, (0..PROGRAMS).map(|i| format!("v{i}")).collect::<Vec<_>>());
     assert!(history.entries.iter().all(|entry| entry.runs() == 2));

@@ -1,8 +1,8 @@
 //! Writing files safely: writes that appear whole or not at all, paths that stay inside a folder of
 //! results, checksums.
 //!
-//! Imports: no other room. Used by: `policy`, `log`, `results`, `report`, `export`,
-//! `batch`, `replay`, `view`, `cli`, `console`, `submit`, `fit`.
+//! Imports: nothing of this crate. Used by: `policy`, `log`, `results`, `batch`, `merge`,
+//! `compare`, `report`, `export`, `replay`, `view`, `cli`, `console`, `submit`, `fit`, `history`.
 
 pub mod atomic;
 pub mod checksum;

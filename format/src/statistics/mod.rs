@@ -2,7 +2,7 @@
 //! runs and for one that the results themselves end. An exact test of trends by ranks. Tails and quantiles
 //! for least squares.
 //!
-//! Imports: `math`. Used by: `scenario`, `results`, `fit`.
+//! Imports: `math`. Used by: `scenario`, `results`, `fit`, `history`.
 
 mod binomial;
 mod distributions;

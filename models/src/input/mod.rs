@@ -2,8 +2,8 @@
 //!
 //! A pipe may block and a device may never end; both are refused before opening.
 //!
-//! Imports: no other room. Used by: `sdf`, `robot`, `terrain`, `scenario`, `log`,
-//! `results`, `remote`, `batch`, `view`, `cli`, `submit`, `fit`.
+//! Imports: nothing of this crate. Used by: `sdf`, `robot`, `terrain`, `scenario`, `log`,
+//! `results`, `remote`, `batch`, `merge`, `view`, `cli`, `submit`, `fit`, `history`.
 
 pub mod png;
 

@@ -10,7 +10,8 @@
 //! `sim` fills [`Metrics`]; `scenario` uses the names for `[[expect]]`; `results` writes records
 //! and summaries.
 //!
-//! Imports: no other room. Used by: `scenario`, `sim`, `results`, `report`.
+//! Imports: nothing of this crate. Used by: `sim`, `scenario`, `results`, `compare`, `report`,
+//! `history`.
 
 pub mod column;
 mod kind;

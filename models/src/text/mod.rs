@@ -12,8 +12,9 @@
 //! - `text_table`: tables for terminals; `csv_line`: lines of CSV tables; `utc_date`: dates of files; `quantity`: numeric fields with ranges and units.
 //! - `xml_syntax`: XML with positions; `xml_attributes`: limits the attributes of elements.
 //!
-//! Imports: no other room. Used by: `mesh`, `sdf`, `robot`, `motion`, `contact`, `script`, `scenario`,
-//! `sim`, `assemble`, `results`, `report`, `export`, `batch`, `console`, `fit`, `cli`.
+//! Imports: nothing of this crate. Used by: `mesh`, `sdf`, `robot`, `motion`, `contact`, `sim`,
+//! `scenario`, `script`, `assemble`, `results`, `batch`, `compare`, `report`, `export`, `cli`,
+//! `console`, `fit`, `history`.
 
 pub mod angle;
 pub mod csv_line;

@@ -10,8 +10,8 @@
 //! and collects the rows in the order of the plan. It knows live clients by the trait
 //! [`LiveClients`] only.
 //!
-//! Imports: `text`, `geometry`, `input`, `robot`, `terrain`, `contact`, `sim`, `scenario`, `files`,
-//! `convert`, `script`, `log`, `assemble`, `results`, `report`, `remote`, `search`. Used by:
+//! Imports: `geometry`, `text`, `input`, `robot`, `terrain`, `contact`, `sim`, `scenario`, `files`,
+//! `convert`, `script`, `log`, `assemble`, `results`, `remote`, `search`. Used by: `report`,
 //! `replay`, `api`, `cli`, `console`, `fit`.
 
 mod batch_error;
@@ -41,7 +41,7 @@ pub use plan::batch_plan::{Job, Plan, Role};
 pub use plan::finding::{Finding, Findings};
 pub use plan::planner::{DEFAULT_TIME_LIMIT, Overrides, prepare, prepare_loaded, prepare_within};
 pub use plan::shard::{Part, Shard, ShardError};
-pub use report::{Finished, Report};
+pub use report::{Finished, PageText, Report, ShownResults};
 pub use resume::resumed::{Rerun, Resumed};
 pub use run::live_clients::LiveClients;
 pub use run::outputs::{Body, RunOutputs, Track};

@@ -1,9 +1,10 @@
 //! Results of a batch.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use crate::batch::Job;
+use crate::files::RecordError;
 use crate::results::claims::{ClaimVerdict, Judgement};
 use crate::results::searches::{SearchResult, SearchVerdict};
 use crate::results::{RunStatistics, SummaryFiles, SummaryRow};
@@ -34,6 +35,26 @@ impl Finished {
         whole && job.repetitions() > self.row.repeats.map_or(0, |repeats| repeats.count)
     }
 }
+
+/// What the page on a batch shows.
+#[derive(Clone, Copy, Debug)]
+pub struct ShownResults<'a> {
+    /// Folder of the results, in which the page will be.
+    pub output: &'a Path,
+    /// Finished runs, see [`Report::finished`].
+    pub finished: &'a [&'a Finished],
+    /// Statistics of all finished runs.
+    pub statistics: &'a RunStatistics,
+    /// Finished reference runs.
+    pub references: &'a [&'a Finished],
+    /// Results of the claims.
+    pub claims: &'a [ClaimVerdict],
+    /// Results of the searches.
+    pub searches: &'a [SearchResult],
+}
+
+/// Makes the text of the page on a batch. The room that does is above this crate.
+pub type PageText = fn(&ShownResults) -> Result<String, RecordError>;
 
 /// Outcome of a batch.
 #[derive(Clone, Debug)]

@@ -1,7 +1,8 @@
 //! Runs the jobs of a plan on worker threads, then writes summary and report.
 
+use std::io::Write;
 use std::num::NonZero;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use crate::batch::dispatch::cancellation::Gate;
@@ -14,12 +15,13 @@ use crate::batch::dispatch::schedule::Schedule;
 use crate::batch::dispatch::search_watch::SearchWatch;
 use crate::batch::dispatch::workers::Workers;
 use crate::batch::resume::resumed;
-use crate::batch::{BatchError, Body, Finished, Listener, NoListener, Options, Plan, Progress, Report, Resumed};
-use crate::files::{RecordError, confined, if_present, names, remove_partial};
-use crate::report::{Pictured, ReportRun, ShownBatch, publish_report, report_html};
-use crate::results::claims::{ClaimVerdict, write_claims};
-use crate::results::searches::{SearchResult, write_searches};
-use crate::results::{Machine, PROGRAM, RunStatistics, RunsLog, ShardHead};
+use crate::batch::{
+    BatchError, Body, Listener, NoListener, Options, PageText, Plan, Progress, Report, Resumed, ShownResults,
+};
+use crate::files::{RecordError, atomic, confined, if_present, names, remove_partial};
+use crate::results::claims::write_claims;
+use crate::results::searches::write_searches;
+use crate::results::{RunsLog, ShardHead};
 
 /// Calls `work` in a pool of `jobs` threads, but of at least one and at most one per processor.
 ///
@@ -47,6 +49,7 @@ impl Interrupter {
 pub struct Batch {
     plan: Plan,
     options: Options,
+    page: PageText,
     runs_log: RunsLog,
     runs_log_path: PathBuf,
     resumed: Resumed,
@@ -55,11 +58,12 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// Prepares the output folder, removes an earlier summary, and finds finished runs to resume.
+    /// Prepares the output folder, removes an earlier summary, and finds finished runs to resume. `page`
+    /// makes the text of the report (normally `batch_page` of the room `report`).
     ///
     /// # Errors
     /// The folder cannot be created or written, or another program is writing there.
-    pub fn new(plan: Plan, options: Options) -> Result<Self, BatchError> {
+    pub fn new(plan: Plan, options: Options, page: PageText) -> Result<Self, BatchError> {
         if plan.remote_runs() > 1 {
             return Err(BatchError::RemoteRuns(plan.remote_runs()));
         }
@@ -101,7 +105,7 @@ impl Batch {
                 }
             }
         }
-        Ok(Self { plan, options, runs_log, runs_log_path, resumed, searches, events: channel() })
+        Ok(Self { plan, options, page, runs_log, runs_log_path, resumed, searches, events: channel() })
     }
 
     /// Results found by `--resume`.
@@ -181,18 +185,15 @@ impl Batch {
         let (columns, statistics) = rows.survey()?;
         let (mut summary, mut page) = (None, None);
         if store.count > 0 {
-            let runs = (store.shown(), &statistics);
-            let write = || {
-                rayon::join(
-                    || columns.write(output, &rows),
-                    || page_of(output, runs, &references.shown(), (&verdicts, &found)),
-                )
-            };
-            let (of_summary, html) = pool.install(write);
+            let (finished, references) = (&store.shown()[..], &references.shown()[..]);
+            let (statistics, claims, searches) = (&statistics, &verdicts[..], &found[..]);
+            let shown = ShownResults { output, finished, statistics, references, claims, searches };
+            let (of_summary, html) =
+                pool.install(|| rayon::join(|| columns.write(output, &rows), || (self.page)(&shown)));
             summary = Some(of_summary?);
-            // It names the summary.
-            let path = output.join(names::REPORT);
-            publish_report(&path, output, &html?)?;
+            // It names the summary. A link in the folder is replaced, not followed.
+            let (path, html) = (output.join(names::REPORT), html?);
+            atomic::write(&path, |out| out.write_all(html.as_bytes()).map_err(RecordError::io(&path)))?;
             page = Some(path);
         }
         let (unfinished, failed) = (store.unfinished, store.failed);
@@ -216,29 +217,4 @@ impl Batch {
             runs_log: self.runs_log_path,
         })
     }
-}
-
-/// The text of `report.html`.
-fn page_of(
-    output: &Path,
-    (finished, statistics): (Vec<&Finished>, &RunStatistics),
-    references: &[&Finished],
-    (claims, searches): (&[ClaimVerdict], &[SearchResult]),
-) -> Result<String, RecordError> {
-    let machine = Machine::here();
-    let runs = as_reported(&finished, &machine);
-    let references = as_reported(references, &machine);
-    let pending = &[names::SUMMARY_CSV, names::SUMMARY_PARQUET];
-    let batch = ShownBatch { claims, searches, history: None, pending };
-    report_html(&output.join(names::REPORT), output, (&runs, statistics), &references, (&Pictured::Few, batch))
-}
-
-fn as_reported<'a>(finished: &[&'a Finished], machine: &'a Machine) -> Vec<ReportRun<'a>> {
-    let run = |f: &&'a Finished| ReportRun {
-        row: &f.row,
-        origin: Some((PROGRAM, machine)),
-        notes: &f.notes,
-        files: &f.files,
-    };
-    finished.iter().map(run).collect()
 }

@@ -36,7 +36,10 @@ fn random_bytes<const N: usize>() -> Result<[u8; N], LinkError> {
     Ok(bytes)
 }
 
-/// An unpredictable number.
-pub(crate) fn nonce() -> Result<u64, LinkError> {
+/// An unpredictable number, not 0.
+///
+/// # Errors
+/// The system has no random numbers.
+pub fn nonce() -> Result<u64, LinkError> {
     Ok(u64::from_le_bytes(random_bytes()?).max(1))
 }

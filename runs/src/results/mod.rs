@@ -8,9 +8,6 @@
 //! | `discovery` | finds the records below a folder |
 //! | `claims` | judges statements about all runs |
 //! | `searches` | results of searches |
-//! | `merge` | merges shards into one folder |
-//! | `compare` | compares two results |
-//! | `history` | many results in one file, and comparisons with them |
 //! | `pareto` | error over cost |
 //! | `table`, `verdict` | tables for the terminal |
 //!
@@ -19,15 +16,13 @@
 //! their own.
 //!
 //! Imports: `math`, `text`, `input`, `metrics`, `contact`, `sim`, `statistics`, `scenario`,
-//! `files`. Used by: `report`, `batch`, `replay`, `view`, `cli`, `submit`.
+//! `files`. Used by: `report`, `batch`, `replay`, `view`, `cli`, `submit`, `history`, `compare`,
+//! `merge`.
 
 pub mod claims;
-pub mod compare;
 mod discovery;
-pub mod history;
 mod junit;
 mod log_fingerprint;
-pub mod merge;
 mod overview;
 pub mod pareto;
 mod record;
@@ -36,8 +31,8 @@ mod runs_log;
 pub mod searches;
 mod shard_list;
 mod summary;
-pub(crate) mod table;
-pub(crate) mod verdict;
+mod table;
+mod verdict;
 mod verdict_table;
 
 pub use crate::metrics::{Measure, NUMERIC_COLUMNS};
@@ -52,10 +47,9 @@ pub use record::{
 pub use reference_motion::{Comparator, ReferenceMotion};
 pub use runs_log::{LoggedRuns, RunsLog};
 pub use shard_list::{PlanHash, SHARD_LIST, SHARD_SCHEMA, ShardHead, ShardList, ShardRun};
-pub(crate) use summary::ScenarioStatistics;
 pub use summary::{
-    BoundedSample, Rows, RunStatistics, SAMPLE_SIZE, SummaryColumns, SummaryFiles, SummaryRow, measure, metric,
-    truth_columns, write_summary, write_summary_of,
+    BoundedSample, Rows, RunStatistics, SAMPLE_SIZE, ScenarioStatistics, SummaryColumns, SummaryFiles, SummaryRow,
+    measure, metric, truth_columns, write_summary, write_summary_of,
 };
 pub use table::{endings, table};
 pub use verdict::Verdict;

@@ -79,7 +79,7 @@ impl ShardRun {
     }
 
     /// Folders that it has as part of a scenario with another number of runs.
-    pub(in crate::results) fn other_folders(&self, results: &Path) -> impl Iterator<Item = PathBuf> {
+    pub fn other_folders(&self, results: &Path) -> impl Iterator<Item = PathBuf> {
         let scenario = results.join(&self.scenario);
         let other = KeyLevels::all().filter(|levels| *levels != self.levels);
         other.map(move |levels| scenario.join(levels.folder(&self.key)))

@@ -18,9 +18,10 @@
 //! `assemble` builds a [`Setup`] from a scenario; library users fill one. Does not access files or
 //! logs.
 //!
-//! Imports: `math`, `text`, `geometry`, `integrate`, `random`, `metrics`, `robot`, `terrain`, `dynamics`,
-//! `patches`, `contact`, `collision`, `task`, `force`. Used by: `log`, `assemble`, `results`, `report`,
-//! `remote`, `batch`, `replay`, `console`, `fit`, `api`, `cli`.
+//! Imports: `math`, `geometry`, `integrate`, `random`, `text`, `metrics`, `robot`, `terrain`,
+//! `dynamics`, `patches`, `contact`, `task`, `force`, `collision`. Used by: `log`, `assemble`,
+//! `results`, `remote`, `batch`, `merge`, `compare`, `report`, `replay`, `api`, `cli`, `console`,
+//! `fit`.
 
 pub mod actuation;
 pub mod bodies;

@@ -6,10 +6,10 @@ use std::fmt::Display;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
+use crate::compare::{Limits, Results, Tolerance, compare};
 use crate::files::names;
+use crate::history::{AppendError, Baseline, Compared, KEPT_RESULTS, TrendRule, append};
 use crate::results::claims::Judgement;
-use crate::results::compare::{Limits, Results, Tolerance, compare};
-use crate::results::history::{AppendError, Baseline, Compared, KEPT_RESULTS, TrendRule, append};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use crate::batch::marks_implausible;
 use crate::files::{make_durable, names};
+use crate::merge::{MergeError, Merged, Shards};
 use crate::report::{ShownBatch, write_report_of_found};
 use crate::results::claims::{Judgement, claim_table};
-use crate::results::merge::{MergeError, Merged, Shards};
 use crate::results::searches::{SearchVerdict, search_table};
 use crate::results::{endings, overview};
 use crate::text::visible::{visible_lines, visible_path};

@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use crate::batch::{Batch, NoListener, Options, Progress, simulate_with_command_source};
 use crate::remote::{Address, Impairment, KeyFile, MotorServer, Pace};
+use crate::report::batch_page;
 use crate::sim::CommandSource;
 use crate::sim::{Problems, RunError};
 use clap::{Args, ValueHint};
@@ -80,7 +81,7 @@ impl Server {
             timing: false,
             resume: false,
         };
-        let batch = Batch::new(plan, options).map_err(|error| refuse(&error))?;
+        let batch = Batch::new(plan, options, batch_page).map_err(|error| refuse(&error))?;
         let interrupter = batch.interrupter();
         // A run commanded from outside may have no end, so the first signal ends it.
         let interruption = on_termination_signal(move |_| (0..2).for_each(|_| interrupter.interrupt()));

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::compare::read_table;
 use crate::files::{OutputKind, RecordError, check_replaceable, names};
+use crate::history::History;
 use crate::report::{Pictured, ReportRun, ShownBatch, ShownHistory, rewrite_results, write_report_of};
-use crate::results::compare::read_table;
-use crate::results::history::History;
 use crate::results::pareto::{Work, pareto_table};
 use crate::results::{Listing, SummaryRow, list_records};
 use crate::text::visible::{visible_lines, visible_path};

@@ -12,6 +12,7 @@ use crate::batch::{
 };
 use crate::files::make_durable;
 use crate::remote::Pace;
+use crate::report::batch_page;
 use crate::results::claims::claim_table;
 use crate::results::pareto::{Work, pareto_table};
 use crate::results::searches::search_table;
@@ -132,7 +133,7 @@ impl Run {
         let mut teller = MessageWriter::new(&options, |line| {
             let _ = print(&line);
         });
-        let batch = Batch::new(plan, options).map_err(|error| refuse(&error, last, Exit::Invalid))?;
+        let batch = Batch::new(plan, options, batch_page).map_err(|error| refuse(&error, last, Exit::Invalid))?;
         if self.resume {
             resumed(batch.resumed());
         }

@@ -31,7 +31,7 @@ pub struct FoundRun {
 
 impl FoundRun {
     /// Keeps of a record what a report shows, without the texts of scenario and inputs.
-    pub(in crate::results) fn without_inputs(path: PathBuf, record: RunRecord) -> Self {
+    pub fn without_inputs(path: PathBuf, record: RunRecord) -> Self {
         let record = RunRecord { resolved: String::new(), inputs: Vec::new(), ..record };
         FoundRun { record, files: files(path) }
     }

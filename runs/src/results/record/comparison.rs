@@ -74,7 +74,8 @@ impl Comparison {
         *self == Self::default()
     }
 
-    pub(crate) fn distance(&self, distance: Distance) -> Option<f64> {
+    /// Its value of this distance, in the unit of its column; none where it was not compared.
+    pub fn distance(&self, distance: Distance) -> Option<f64> {
         match distance {
             Distance::PositionRms => self.error_position_rms_m,
             Distance::JointRms => self.error_joint_rms_rad,

@@ -29,7 +29,7 @@ impl ParamValue {
     }
 
     /// The value as text; of the path of a robot file only the file name.
-    pub(crate) fn brief(&self) -> String {
+    pub fn brief(&self) -> String {
         let text = self.to_string();
         let is_file = [".toml", ".urdf", ".xml", ".mjcf"].iter().any(|end| text.ends_with(end));
         text.rsplit('/').next().filter(|_| is_file).map_or(text.clone(), str::to_owned)
@@ -43,7 +43,7 @@ pub fn is_truth(name: &str) -> bool {
 }
 
 /// Compares numbers by size and other values by their text; a missing value comes first.
-pub(in crate::results) fn compare_values(a: Option<&ParamValue>, b: Option<&ParamValue>) -> std::cmp::Ordering {
+pub fn compare_values(a: Option<&ParamValue>, b: Option<&ParamValue>) -> std::cmp::Ordering {
     let number = |v: Option<&ParamValue>| v.and_then(ParamValue::number);
     match (number(a), number(b)) {
         (Some(x), Some(y)) => x.total_cmp(&y),

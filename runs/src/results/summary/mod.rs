@@ -11,7 +11,7 @@ mod summary_row;
 
 pub use bounded_sample::{BoundedSample, SAMPLE_SIZE};
 pub use run_statistics::RunStatistics;
-pub(crate) use run_statistics::ScenarioStatistics;
+pub use run_statistics::ScenarioStatistics;
 pub use summary_files::{Rows, SummaryColumns, SummaryFiles, write_summary, write_summary_of};
 pub(super) use summary_files::{parameter, parameter_names};
 pub(super) use summary_row::TEXT_COLUMNS;

@@ -20,8 +20,10 @@ pub struct RunStatistics {
 
 /// Statistics of the runs of one scenario.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct ScenarioStatistics {
+pub struct ScenarioStatistics {
+    /// Its name.
     pub scenario: String,
+    /// Number of its runs.
     pub runs: usize,
     /// Runs by outcome, in the order of [`Outcome::ALL`].
     pub outcomes: Vec<(&'static str, usize)>,
@@ -72,25 +74,28 @@ impl RunStatistics {
         (total.held, total.expected)
     }
 
-    pub(crate) fn scenarios(&self) -> &[ScenarioStatistics] {
+    /// Each scenario, in the order of their first runs.
+    pub fn scenarios(&self) -> &[ScenarioStatistics] {
         &self.scenarios
     }
 
-    pub(crate) fn programs(&self) -> Vec<String> {
+    /// Programs that made the runs, sorted.
+    pub fn programs(&self) -> Vec<String> {
         self.programs.iter().cloned().collect()
     }
 
-    pub(crate) fn machines(&self) -> Vec<String> {
+    /// Machines that made the runs, sorted.
+    pub fn machines(&self) -> Vec<String> {
         self.machines.iter().cloned().collect()
     }
 
     /// Times of modification of the first and the last record.
-    pub(crate) fn recorded(&self) -> Option<(SystemTime, SystemTime)> {
+    pub fn recorded(&self) -> Option<(SystemTime, SystemTime)> {
         self.recorded
     }
 
     /// Counts over all scenarios; times are not summed.
-    pub(crate) fn total(&self) -> ScenarioStatistics {
+    pub fn total(&self) -> ScenarioStatistics {
         let mut total = ScenarioStatistics::default();
         for s in &self.scenarios {
             s.outcomes.iter().for_each(|(outcome, count)| total.count(outcome, *count));

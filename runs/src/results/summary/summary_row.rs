@@ -52,13 +52,13 @@ impl SummaryRow {
 }
 
 /// A column of text.
-pub(in crate::results) struct TextColumn {
+pub struct TextColumn {
     pub name: &'static str,
     pub get: fn(&SummaryRow) -> &str,
 }
 
 /// Columns of text, which precede the swept parameters; `seed` follows them.
-pub(in crate::results) const TEXT_COLUMNS: &[TextColumn] = &[
+pub const TEXT_COLUMNS: &[TextColumn] = &[
     TextColumn { name: "scenario", get: |r| &r.scenario },
     TextColumn { name: "key", get: |r| &r.key },
     TextColumn { name: "outcome", get: |r| r.outcome.name() },
@@ -69,7 +69,7 @@ pub(in crate::results) const TEXT_COLUMNS: &[TextColumn] = &[
 
 impl SummaryRow {
     /// The cell of a numeric column; nothing where the run could not measure it.
-    pub(crate) fn cell(&self, column: &Column) -> Measure {
+    pub fn cell(&self, column: &Column) -> Measure {
         if self.metrics.remote_robot && column.known == Known::Simulation {
             return Measure::Nothing;
         }
