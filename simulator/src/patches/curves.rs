@@ -151,13 +151,22 @@ fn around(a: &Curve, b: &Curve, e: &Vector3<f64>) -> Vector3<f64> {
     let beside = (rim.axis - e * e.dot(&rim.axis)).try_normalize(RESOLUTION);
     let axes = beside.into_iter().flat_map(|n| [n, -n]);
     let maxima = (0..12).filter(is_greatest).map(|k| start[k]).chain(axes);
-    let better = |n: Vector3<f64>, m: Vector3<f64>| if value(&m) > value(&n) { m } else { n };
-    maxima.map(|n| maximum_near(a, b, e, n)).reduce(better).unwrap_or(x)
+    let (mut best, mut greatest) = (None, f64::NEG_INFINITY);
+    for start in maxima {
+        let n = maximum_near(a, b, e, start, greatest);
+        let s = value(&n);
+        if best.is_none() || s > greatest {
+            (best, greatest) = (Some(n), s);
+        }
+    }
+    best.unwrap_or(x)
 }
 
-/// The maximum of s(n) across `e` near `start`: Newton steps and halvings of the interval on grad s.
-fn maximum_near(a: &Curve, b: &Curve, e: &Vector3<f64>, start: Vector3<f64>) -> Vector3<f64> {
+/// The maximum of s(n) across `e` near `start`: Newton steps and halvings of the interval on grad s. If it is
+/// less than `least`, only some n where s is less: |s'| <= |D| <= |c_A - c_B| + R_A + R_B bounds s in the interval.
+fn maximum_near(a: &Curve, b: &Curve, e: &Vector3<f64>, start: Vector3<f64>, least: f64) -> Vector3<f64> {
     let across = e.cross(&start);
+    let reach = (a.at - b.at).norm() + a.radius + b.radius;
     // n = (start + tau across)/|..|; the interval reaches beyond the next direction, tan(30 degrees) away.
     let (mut low, mut high, mut tau) = (-0.6, 0.6, 0.0);
     let mut n = start;
@@ -171,6 +180,10 @@ fn maximum_near(a: &Curve, b: &Curve, e: &Vector3<f64>, start: Vector3<f64>) -> 
             low = tau
         } else {
             high = tau
+        }
+        // Next to a kink the halvings would continue to the roundoff, mostly for a maximum that is not the greatest.
+        if n.dot(&d) + reach * (high - low + RESOLUTION) < least {
+            break;
         }
         let stiff = |c: &Curve| {
             let (k, t) = c.stiffness(&n);
