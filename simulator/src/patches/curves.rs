@@ -310,3 +310,47 @@ impl Pin {
         Pin { n, n_rate, core_a: p, core_a_rate, distance, along }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Stream;
+
+    /// Random edges and rims, and rims whose axes are almost along or across the edge.
+    fn pair(draw: &mut Stream, k: usize) -> [Curve; 2] {
+        let mut vector = || Vector3::from_fn(|_, _| draw.normal());
+        let axis = vector().normalize();
+        let across = axis.cross(&vector()).normalize();
+        let other = match k % 3 {
+            0 => vector(),
+            1 => axis + across * 1e-3,
+            _ => across + axis * 1e-3,
+        };
+        // Close to each other they have two maxima that are almost equal.
+        let (at, size) = (vector(), if k % 4 < 2 { 0.02 } else { 0.5 });
+        let edge = Curve { kind: Kind::Edge, at, axis, radius: 0.0 };
+        let rim =
+            Curve { kind: Kind::Rim, at: at + vector() * size, axis: other.normalize(), radius: 0.2 + draw.unit() };
+        if k % 2 == 0 { [edge, rim] } else { [rim, edge] }
+    }
+
+    #[test]
+    fn no_direction_around_an_edge_has_a_greater_distance() {
+        let mut draw = Stream::new(7, &["around"]);
+        for k in 0..3000 {
+            let [a, b] = pair(&mut draw, k);
+            let e = if a.kind == Kind::Edge { a.axis } else { b.axis };
+            let value = |n: &Vector3<f64>| n.dot(&apart(&a, &b, n));
+            let found = value(&best_normal(&a, &b));
+            let x = e.cross(&Vector3::ith(e.iamin(), 1.0)).normalize();
+            let y = e.cross(&x);
+            let around = |i: u32| {
+                let angle = f64::from(i) * std::f64::consts::TAU / 2000.0;
+                value(&(x * angle.cos() + y * angle.sin()))
+            };
+            let greatest = (0..2000).map(around).fold(f64::NEG_INFINITY, f64::max);
+            // The roundoff of D, some units long.
+            assert!(found >= greatest - 1e-14, "{k}: {found} < {greatest}");
+        }
+    }
+}
