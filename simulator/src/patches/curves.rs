@@ -331,7 +331,7 @@ mod tests {
         let edge = Curve { kind: Kind::Edge, at, axis, radius: 0.0 };
         let rim =
             Curve { kind: Kind::Rim, at: at + vector() * size, axis: other.normalize(), radius: 0.2 + draw.unit() };
-        if k % 2 == 0 { [edge, rim] } else { [rim, edge] }
+        if k.is_multiple_of(2) { [edge, rim] } else { [rim, edge] }
     }
 
     #[test]
