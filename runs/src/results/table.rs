@@ -80,7 +80,7 @@ fn height(z: f64) -> String {
     if z.abs() < 1e6 { format!("{z:.4}") } else { text_table::significant(z, 3) }
 }
 
-pub fn clip(text: &str) -> String {
+pub(in crate::results) fn clip(text: &str) -> String {
     text_table::clip(&one_line(&visible(text)), WIDEST)
 }
 

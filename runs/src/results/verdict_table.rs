@@ -123,7 +123,7 @@ fn digits(verdict: &Verdict) -> usize {
 
 /// The selected swept values, by the last part of their names unless two share it. Swept true
 /// values are omitted.
-pub fn brief_parameters(row: &SummaryRow, selected: impl Fn(&str) -> bool) -> String {
+pub(in crate::results) fn brief_parameters(row: &SummaryRow, selected: impl Fn(&str) -> bool) -> String {
     // `rpy.1` of `floor.rpy.1`, `force` of `force.0.force`.
     let last = |name: &str| {
         let starts_name = |i: usize| !name[i + 1..].starts_with(|d: char| d.is_ascii_digit());

@@ -43,7 +43,7 @@ pub fn is_truth(name: &str) -> bool {
 }
 
 /// Compares numbers by size and other values by their text; a missing value comes first.
-pub fn compare_values(a: Option<&ParamValue>, b: Option<&ParamValue>) -> std::cmp::Ordering {
+pub(in crate::results) fn compare_values(a: Option<&ParamValue>, b: Option<&ParamValue>) -> std::cmp::Ordering {
     let number = |v: Option<&ParamValue>| v.and_then(ParamValue::number);
     match (number(a), number(b)) {
         (Some(x), Some(y)) => x.total_cmp(&y),

@@ -251,7 +251,7 @@ impl<'a> Cells<'a> {
 }
 
 /// Names of all swept parameters, in the order of first appearance.
-pub fn parameter_names(rows: &[SummaryRow]) -> Vec<&str> {
+pub(in crate::results) fn parameter_names(rows: &[SummaryRow]) -> Vec<&str> {
     let mut names: Vec<&str> = Vec::new();
     for (name, _) in rows.iter().flat_map(|r| &r.parameters) {
         if !names.contains(&name.as_str()) {
@@ -261,7 +261,7 @@ pub fn parameter_names(rows: &[SummaryRow]) -> Vec<&str> {
     names
 }
 
-pub fn parameter<'a>(row: &'a SummaryRow, name: &str) -> Option<&'a ParamValue> {
+pub(in crate::results) fn parameter<'a>(row: &'a SummaryRow, name: &str) -> Option<&'a ParamValue> {
     row.parameters.iter().find(|(n, _)| n == name).map(|(_, v)| v)
 }
 

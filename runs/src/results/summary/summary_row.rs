@@ -52,13 +52,13 @@ impl SummaryRow {
 }
 
 /// A column of text.
-pub struct TextColumn {
+pub(in crate::results) struct TextColumn {
     pub name: &'static str,
     pub get: fn(&SummaryRow) -> &str,
 }
 
 /// Columns of text, which precede the swept parameters; `seed` follows them.
-pub const TEXT_COLUMNS: &[TextColumn] = &[
+pub(in crate::results) const TEXT_COLUMNS: &[TextColumn] = &[
     TextColumn { name: "scenario", get: |r| &r.scenario },
     TextColumn { name: "key", get: |r| &r.key },
     TextColumn { name: "outcome", get: |r| r.outcome.name() },
