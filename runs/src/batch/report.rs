@@ -53,7 +53,7 @@ pub struct ShownResults<'a> {
     pub searches: &'a [SearchResult],
 }
 
-/// Makes the text of the page on a batch. The room that does is above this crate.
+/// Makes the text of the page on a batch, as `report::batch_page` of the package `stiction` does.
 pub type PageText = fn(&ShownResults) -> Result<String, RecordError>;
 
 /// Outcome of a batch.

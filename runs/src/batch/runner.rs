@@ -59,7 +59,7 @@ pub struct Batch {
 
 impl Batch {
     /// Prepares the output folder, removes an earlier summary, and finds finished runs to resume. `page`
-    /// makes the text of the report (normally `batch_page` of the room `report`).
+    /// makes the text of the report.
     ///
     /// # Errors
     /// The folder cannot be created or written, or another program is writing there.
