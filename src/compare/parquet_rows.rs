@@ -31,9 +31,12 @@ impl ParquetRows {
     }
 
     fn read_table(path: &Path) -> Opened {
-        let schema = ParquetReader::new(File::open(path)?).schema()?;
-        let columns = Columns::new(schema.iter_names().map(ToString::to_string));
-        let height = ParquetReader::new(File::open(path)?).num_rows()?;
+        // Opened once: other programs may replace the file meanwhile.
+        let file = File::open(path)?;
+        let mut table = ParquetReader::new(file.try_clone()?);
+        let columns = Columns::new(table.schema()?.iter_names().map(ToString::to_string));
+        let height = table.num_rows()?;
+        let metadata = table.get_metadata()?.clone();
         let mut out = BufWriter::new(tempfile::tempfile()?);
         let (mut rows, mut runs): (Vec<Span>, Vec<RunDigest>) = Default::default();
         let (mut offset, mut cells) = (0, vec![String::new(); columns.len()]);
@@ -41,7 +44,8 @@ impl ParquetRows {
         for begin in (0..height).step_by(SLICE) {
             let slice = (begin, SLICE.min(height - begin));
             // On this thread, where a panic is caught.
-            let reader = ParquetReader::new(File::open(path)?).read_parallel(ParallelStrategy::None);
+            let mut reader = ParquetReader::new(file.try_clone()?).read_parallel(ParallelStrategy::None);
+            reader.set_metadata(metadata.clone());
             let frame = reader.with_slice(Some(slice)).finish()?;
             if frame.height() != slice.1 {
                 return Err(ResultsErrorCause::DamagedTable(format!("it has fewer rows than it states, {height}")));

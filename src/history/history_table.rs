@@ -222,13 +222,14 @@ fn check_types(frame: &DataFrame) -> Result<(), HistoryErrorCause> {
 }
 
 fn read_frame(path: &Path) -> Result<DataFrame, HistoryErrorCause> {
-    let open = || input::open(path).map(|(file, _)| file);
-    let height = ParquetReader::new(open()?).num_rows()?;
+    // Opened once: other programs may replace the file meanwhile.
+    let (file, _) = input::open(path)?;
+    // On this thread, where a panic is caught.
+    let mut reader = ParquetReader::new(file).read_parallel(ParallelStrategy::None).set_rechunk(true);
+    let height = reader.num_rows()?;
     if height > MOST_ROWS {
         return Err(HistoryErrorCause::TooLong { found: height, most: MOST_ROWS });
     }
-    // On this thread, where a panic is caught.
-    let reader = ParquetReader::new(open()?).read_parallel(ParallelStrategy::None).set_rechunk(true);
     let frame = reader.finish()?;
     if frame.height() != height {
         return Err(HistoryErrorCause::DamagedTable(format!("it has fewer rows than it states, {height}")));

@@ -1,10 +1,13 @@
 //! Appending: the same bits, once, whole, by several programs, and by other versions.
 
 use std::fs::{self, File};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::Stdio;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use polars::prelude::{Column, NamedFrom, Series};
 use polars_io::parquet::write::ParquetWriter;
+use stiction::compare::Results;
 use stiction::history::{History, HistoryErrorCause};
 
 use super::{HEADER, Row, frame, table};
@@ -178,14 +181,60 @@ fn programs_that_append_at_once_lose_no_result() {
     for i in 0..PROGRAMS {
         let (label, name) = (format!("v{i}"), format!("r{i}.csv"));
         let mut command = place.command(&[&APPEND[..], &["--label", &label, &name]].concat());
-        running.push(command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap());
+        running.push(command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap());
     }
-    running.iter_mut().for_each(|child| assert!(matches!(child.wait().unwrap().code(), Some(0 | 1))));
+    for child in running {
+        let done = child.wait_with_output().unwrap();
+        assert!(matches!(done.status.code(), Some(0 | 1)), "{}", String::from_utf8_lossy(&done.stderr));
+    }
     let history = History::read(&place.path("h.parquet")).unwrap();
     let mut labels: Vec<String> = history.entries.iter().map(stiction::history::Entry::title).collect();
     labels.sort();
     assert_eq!(labels, (0..PROGRAMS).map(|i| format!("v{i}")).collect::<Vec<_>>());
     assert!(history.entries.iter().all(|entry| entry.runs() == 2));
+}
+
+/// A history and a table are replaced while they are read, by others with another number of rows.
+#[test]
+fn readers_find_the_old_file_or_the_new_one() {
+    const READS: usize = 300;
+    let place = Place::new();
+    for (i, rows) in [1, 400].into_iter().enumerate() {
+        let values: Vec<String> = (0..rows).map(|i| format!("{i}")).collect();
+        let rows: Vec<Row> = values.iter().map(|mu| Row(mu, 1, 0.0, 1.0)).collect();
+        table(&place, "r.csv", "v", &rows);
+        let history = format!("h{i}.parquet");
+        place.runner(&["compare", "--baseline", &history, "--append", "r.csv"]).exits(0);
+        let path = place.path(&format!("s{i}.parquet"));
+        let mut runs = frame(&place.path(&history)).drop("result").unwrap();
+        ParquetWriter::new(File::create(path).unwrap()).finish(&mut runs).unwrap();
+    }
+    let files = |name: &str| [0, 1].map(|i| fs::read(place.path(&format!("{name}{i}.parquet"))).unwrap());
+    let kinds = ["h", "s"].map(|name| (place.path(&format!("{name}.parquet")), files(name)));
+    let put = |turn: usize| {
+        for (path, files) in &kinds {
+            let next = path.with_extension("next");
+            fs::write(&next, &files[turn % 2]).unwrap();
+            fs::rename(next, path).unwrap();
+        }
+    };
+    put(0);
+    let is_done = AtomicBool::new(false);
+    let mut found = [[0; 2]; 2];
+    std::thread::scope(|scope| {
+        scope.spawn(|| (1..).take_while(|_| !is_done.load(Ordering::Relaxed)).for_each(put));
+        let read = catch_unwind(AssertUnwindSafe(|| {
+            for _ in 0..READS {
+                let rows = History::read(&kinds[0].0).unwrap().entries[0].runs();
+                found[0][usize::from(rows == 400)] += 1;
+                let rows = Results::open(&kinds[1].0).unwrap().len();
+                found[1][usize::from(rows == 400)] += 1;
+            }
+        }));
+        is_done.store(true, Ordering::Relaxed);
+        read.unwrap();
+    });
+    assert!(found.as_flattened().iter().all(|count| *count > 0), "{found:?}");
 }
 
 /// The program is killed once its unfinished file appears, at any moment of the write.
