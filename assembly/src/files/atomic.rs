@@ -14,12 +14,15 @@ pub fn temporary(path: &Path) -> Result<(File, TempPath), RecordError> {
     let folder = durability::folder_of(path);
     durability::create_folder(folder).map_err(RecordError::io(folder))?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let (file, temporary) = builder(&format!(".{name}."))
-        .tempfile_in(folder)
-        .map(NamedTempFile::into_parts)
-        .map_err(RecordError::io(path))?;
-    let _ = file.try_lock();
-    Ok((file, temporary))
+    loop {
+        let created = builder(&format!(".{name}.")).tempfile_in(folder);
+        let (file, temporary) = created.map(NamedTempFile::into_parts).map_err(RecordError::io(path))?;
+        // Another program that found the file before it was locked holds the lock for a moment, and may remove it.
+        let _ = file.lock();
+        if !matches!(temporary.try_exists(), Ok(false)) {
+            return Ok((file, temporary));
+        }
+    }
 }
 
 /// Suffix of incomplete files.
@@ -35,8 +38,12 @@ pub fn remove_partial(folder: &Path) {
 fn remove_partial_of(folder: &Path, name: &str) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
-        if entry.file_type().is_ok_and(|kind| kind.is_file()) && is_abandoned(&entry.path(), name) {
-            let _ = std::fs::remove_file(entry.path());
+        if entry.file_type().is_ok_and(|kind| kind.is_file()) && is_partial(&entry.path(), name) {
+            let file = open_to_lock(&entry.path());
+            if !file.as_ref().is_ok_and(is_locked) {
+                // The lock is held until the file is gone.
+                let _ = std::fs::remove_file(entry.path());
+            }
         }
     }
 }
@@ -44,14 +51,22 @@ fn remove_partial_of(folder: &Path, name: &str) {
 /// True for an incomplete version of a file whose name begins with `name`, unless another program
 /// is writing it.
 pub fn is_abandoned(path: &Path, name: &str) -> bool {
-    let found = path.file_name().unwrap_or_default().to_string_lossy();
-    let begins = found.strip_prefix('.').is_some_and(|rest| rest.starts_with(name));
-    begins && found.ends_with(PARTIAL) && !is_locked(path)
+    is_partial(path, name) && !open_to_lock(path).is_ok_and(|file| is_locked(&file))
 }
 
-/// True if another open file has the lock of this one.
-fn is_locked(path: &Path) -> bool {
-    File::open(path).is_ok_and(|file| matches!(file.try_lock(), Err(TryLockError::WouldBlock)))
+fn is_partial(path: &Path, name: &str) -> bool {
+    let found = path.file_name().unwrap_or_default().to_string_lossy();
+    found.strip_prefix('.').is_some_and(|rest| rest.starts_with(name)) && found.ends_with(PARTIAL)
+}
+
+/// Opens a file for writing, as network file systems lock no others.
+fn open_to_lock(path: &Path) -> std::io::Result<File> {
+    File::options().read(true).write(true).open(path).or_else(|_| File::open(path))
+}
+
+/// True if another open file has the lock of this one, which else gets it, until it is closed.
+fn is_locked(file: &File) -> bool {
+    matches!(file.try_lock(), Err(TryLockError::WouldBlock))
 }
 
 fn builder(prefix: &str) -> tempfile::Builder<'_, 'static> {
@@ -212,6 +227,7 @@ fn remove_interrupted(path: &Path) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::atomic::{AtomicBool, Ordering};
 
     #[cfg(unix)]
     #[test]
@@ -300,6 +316,29 @@ mod tests {
         drop(open);
         remove_partial(folder.path());
         assert!(!unfinished.exists() && path.exists() && folder.path().join(".hidden").exists());
+    }
+
+    /// Threads stand for programs: each has its own open files, and so its own locks.
+    #[test]
+    fn files_being_written_survive_those_who_remove_incomplete_ones() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |i: usize| folder.path().join(format!("{i}.txt"));
+        let is_done = AtomicBool::new(false);
+        let written = std::thread::scope(|scope| {
+            for _ in 0..2 {
+                scope.spawn(|| {
+                    while !is_done.load(Ordering::Relaxed) {
+                        remove_partial(folder.path());
+                    }
+                });
+            }
+            let fill = |out: &mut BufWriter<File>| out.write_all(b"whole").map_err(RecordError::io(Path::new("x")));
+            let written = (0..2000).map(|i| write(&path(i % 4), fill)).filter(Result::is_err).count();
+            is_done.store(true, Ordering::Relaxed);
+            written
+        });
+        assert_eq!(written, 0, "writes that failed");
+        assert!((0..4).all(|i| std::fs::read(path(i)).unwrap() == b"whole"));
     }
 
     #[test]

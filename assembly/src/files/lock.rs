@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// A lock, held until it is dropped or the process ends.
 pub struct FileLock {
-    _file: File,
+    file: File,
 }
 
 impl FileLock {
@@ -22,7 +22,14 @@ impl FileLock {
         let open = OpenOptions::new().create(true).append(true).open(&at);
         let file = open.map_err(RecordError::io(&at))?;
         let _ = file.lock();
-        Ok(FileLock { _file: file })
+        Ok(FileLock { file })
+    }
+}
+
+impl Drop for FileLock {
+    /// Closing the file is not enough: a process that was forked and has not started its program has it open too.
+    fn drop(&mut self) {
+        let _ = self.file.unlock();
     }
 }
 
@@ -49,5 +56,17 @@ mod tests {
         std::thread::scope(|scope| (0..4).for_each(|_| drop(scope.spawn(add))));
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "200");
         assert!(folder.path().join("new/.count.lock").exists());
+    }
+
+    #[test]
+    fn a_copy_of_the_open_file_does_not_keep_the_lock() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("count");
+        let lock = FileLock::wait(&path).unwrap();
+        let _forked = lock.file.try_clone().unwrap();
+        let again = File::open(lock_path(&path)).unwrap();
+        assert!(again.try_lock().is_err());
+        drop(lock);
+        again.try_lock().unwrap();
     }
 }

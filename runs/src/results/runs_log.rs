@@ -102,6 +102,13 @@ impl RunsLog {
     }
 }
 
+impl Drop for RunsLog {
+    /// Closing the file is not enough: a process that was forked and has not started its program has it open too.
+    fn drop(&mut self) {
+        let _ = self.file().unlock();
+    }
+}
+
 /// The runs with an intact line, and whether other lines are damaged.
 fn read_lines(file: &mut File) -> std::io::Result<(LoggedRuns, bool)> {
     file.seek(SeekFrom::Start(0))?;
@@ -214,5 +221,21 @@ impl Serialize for Line<'_> {
         }
         map.serialize_entry("verdicts", &row.verdicts)?;
         map.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_copy_of_the_open_file_does_not_keep_the_lock() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("runs.jsonl");
+        let log = RunsLog::append(&path).unwrap();
+        let _forked = log.file().try_clone().unwrap();
+        assert!(matches!(RunsLog::append(&path), Err(RecordError::InUse { .. })));
+        drop(log);
+        RunsLog::append(&path).unwrap();
     }
 }
