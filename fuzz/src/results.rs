@@ -81,7 +81,7 @@ fn claims(bytes: &[u8]) {
     let folder = scratch::empty_folder("claims");
     scratch::write(&folder.join(names::CLAIMS), bytes);
     let claims = match read_claims(&folder) {
-        Ok(claims) => claims,
+        Ok((claims, _)) => claims,
         Err(error) => return drop(error.to_string()),
     };
     let _ = claim_table(&claims, WIDTH);

@@ -1,5 +1,6 @@
 //! Tables: summaries, time series and events, as columns and as Arrow streams.
 
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use polars::prelude::{
@@ -17,7 +18,7 @@ use stiction::export::{self, Selection};
 use stiction::files::names;
 use stiction::log::Trajectory;
 use stiction::report::{Pictured, rewrite_results};
-use stiction::results::list_records;
+use stiction::results::{ResultsLock, list_records};
 
 use crate::arrays::{array, of_kind};
 use crate::errors::{check_fork, of_log, of_results};
@@ -105,8 +106,9 @@ pub fn summary(py: Python<'_>, folder: PathBuf) -> PyResult<Table> {
     check_fork(py)?;
     let path = folder.join(names::SUMMARY_PARQUET);
     let read = py.detach(|| {
-        let file = std::fs::File::open(&path).map_err(|error| error.to_string())?;
-        ParquetReader::new(file).finish().map_err(|error| error.to_string())
+        // In memory: a program that shortens a mapped file would end this one.
+        let bytes = std::fs::read(&path).map_err(|error| error.to_string())?;
+        ParquetReader::new(Cursor::new(bytes)).finish().map_err(|error| error.to_string())
     });
     let frame = read.map_err(|error| of_results(py, format!("{}: {error}", path.display())))?;
     Ok(Table { frame })
@@ -160,6 +162,7 @@ pub fn report(py: Python<'_>, folder: PathBuf) -> PyResult<PathBuf> {
     check_fork(py)?;
     let page = folder.join(names::REPORT);
     let written = py.detach(|| {
+        let _lock = ResultsLock::alone(&folder)?;
         let listing = list_records(&folder)?;
         match listing.runs() {
             0 => Ok(None),

@@ -6,7 +6,7 @@ use crate::compare::CompareError;
 use crate::compare::result_row::ResultRow;
 use crate::compare::results::Results;
 use crate::compare::row_pairs::{pair, same_text};
-use crate::results::claims::{ChangeClaim, ClaimVerdict, GroupChanges, judge_changes, read_change_claims};
+use crate::results::claims::{ChangeClaim, ClaimVerdict, GroupChanges, judge_changes};
 
 /// A claim with its runs.
 struct Judged {
@@ -22,9 +22,9 @@ struct Judged {
 /// baseline A.
 ///
 /// # Errors
-/// `claims.json` or a row cannot be read.
+/// A row cannot be read.
 pub fn judge_change_claims(a: &mut Results, b: &mut Results) -> Result<Vec<ClaimVerdict>, CompareError> {
-    let claims = read_change_claims(b.folder())?;
+    let claims = b.changes().to_vec();
     if claims.is_empty() {
         return Ok(Vec::new());
     }

@@ -3,7 +3,6 @@
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
-use std::path::Path;
 
 use crate::compare::columns::{Columns, RunDigest, digest};
 use crate::compare::file_spans::{FileSpans, Span};
@@ -17,8 +16,7 @@ pub(super) struct CsvRows {
 
 impl CsvRows {
     /// Opens a table and finds its rows.
-    pub fn open(path: &Path) -> Opened {
-        let file = File::open(path)?;
+    pub fn open(file: File) -> Opened {
         let mut reader = BufReader::new(&file);
         let (mut at, mut record) = (0, Vec::new());
         let (mut rows, mut runs): (Vec<Span>, Vec<RunDigest>) = Default::default();

@@ -5,7 +5,6 @@ use std::collections::HashMap;
 use std::fmt;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
-use std::path::Path;
 
 use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 
@@ -29,8 +28,7 @@ struct Line {
 
 impl JsonRows {
     /// Opens a list, checks its lines and finds the last one of each run.
-    pub fn open(path: &Path) -> Opened {
-        let file = File::open(path)?;
+    pub fn open(file: File) -> Opened {
         let mut reader = BufReader::new(&file);
         let (mut at, mut line, mut number) = (0, Vec::new(), 0);
         let mut columns = Columns::default();

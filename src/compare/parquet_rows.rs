@@ -2,8 +2,7 @@
 //! file, some ten thousand at a time.
 
 use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::Path;
+use std::io::{BufWriter, Cursor, Read, Write};
 
 use polars::prelude::{AnyValue, DataFrame, PolarsError};
 use polars_io::SerReader;
@@ -25,15 +24,16 @@ pub(super) struct ParquetRows {
 
 impl ParquetRows {
     /// Reads a table. The library panics at some damaged files.
-    pub fn open(path: &Path) -> Opened {
-        let read = catch_panic(|| Self::read_table(path));
+    pub fn open(mut file: File) -> Opened {
+        // In memory: the library would map the file, and a program that shortens it would end this one.
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes)?;
+        let read = catch_panic(|| Self::read_table(&bytes));
         read.unwrap_or_else(|panic| Err(ResultsErrorCause::DamagedTable(panic)))
     }
 
-    fn read_table(path: &Path) -> Opened {
-        // Opened once: other programs may replace the file meanwhile.
-        let file = File::open(path)?;
-        let mut table = ParquetReader::new(file.try_clone()?);
+    fn read_table(bytes: &[u8]) -> Opened {
+        let mut table = ParquetReader::new(Cursor::new(bytes));
         let columns = Columns::new(table.schema()?.iter_names().map(ToString::to_string));
         let height = table.num_rows()?;
         let metadata = table.get_metadata()?.clone();
@@ -44,7 +44,7 @@ impl ParquetRows {
         for begin in (0..height).step_by(SLICE) {
             let slice = (begin, SLICE.min(height - begin));
             // On this thread, where a panic is caught.
-            let mut reader = ParquetReader::new(file.try_clone()?).read_parallel(ParallelStrategy::None);
+            let mut reader = ParquetReader::new(Cursor::new(bytes)).read_parallel(ParallelStrategy::None);
             reader.set_metadata(metadata.clone());
             let frame = reader.with_slice(Some(slice)).finish()?;
             if frame.height() != slice.1 {

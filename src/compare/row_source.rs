@@ -3,6 +3,7 @@
 use polars::prelude::PolarsError;
 
 use crate::compare::columns::{Columns, RunDigest};
+use crate::files::RecordError;
 use crate::files::names::SUMMARIES;
 
 /// Reads the rows of a file in any order.
@@ -32,6 +33,9 @@ pub enum ResultsErrorCause {
     /// A history, which has many results.
     #[error("a history of results: give it as --baseline")]
     History,
+    /// Another program writes these results, or their claims or searches cannot be read.
+    #[error(transparent)]
+    Folder(#[from] RecordError),
     /// The file cannot be read.
     #[error(transparent)]
     Io(#[from] std::io::Error),

@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use crate::compare::Results;
-use crate::files::RecordError;
 use crate::results::searches::SearchResult;
 
 /// A search that found something else.
@@ -19,8 +18,8 @@ pub struct SearchChange {
 
 /// Searches of both results that found different values or have different verdicts, in the order of A.
 /// They are in `searches.json` next to the rows.
-pub(super) fn search_changes(a: &Results, b: &Results) -> Result<Vec<SearchChange>, RecordError> {
-    let (a, b) = (a.searches()?, b.searches()?);
+pub(super) fn search_changes(a: &Results, b: &Results) -> Vec<SearchChange> {
+    let (a, b) = (a.searches(), b.searches());
     let change = |first: &SearchResult| {
         let second = b.iter().find(|other| identity(other) == identity(first))?;
         let is_equal = first.verdict == second.verdict
@@ -31,7 +30,7 @@ pub(super) fn search_changes(a: &Results, b: &Results) -> Result<Vec<SearchChang
             |search: &SearchResult| format!("{} {}", search.verdict.name(), search.found()).trim_end().to_owned();
         (!is_equal).then(|| SearchChange { search: name(first), a: side(first), b: side(second) })
     };
-    Ok(a.iter().filter_map(change).collect())
+    a.iter().filter_map(change).collect()
 }
 
 /// What two results of the same search have in common.

@@ -58,7 +58,7 @@ pub fn append(path: &Path, results: &mut Results, label: Option<&str>, keep: usi
     // A link leads to one history, which has one lock.
     let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let _lock = FileLock::wait(&target)?;
-    let old = if target.exists() { History::read(&target)? } else { History::empty(&target) };
+    let old = History::read_if_present(&target)?;
     if let Some(entry) = old.entry(&digest) {
         return Ok(Appended::Known { label: entry.label.clone(), date: entry.date() });
     }

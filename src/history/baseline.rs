@@ -129,8 +129,7 @@ impl Baseline {
     /// The file is damaged or of another kind, or has another extension.
     pub fn open_history(path: &Path) -> Result<Self, BaselineError> {
         History::check_name(path)?;
-        let history = if path.exists() { History::read(path)? } else { History::empty(path) };
-        Ok(Baseline::History(Box::new(history)))
+        Ok(Baseline::History(Box::new(History::read_if_present(path)?)))
     }
 
     /// The file.

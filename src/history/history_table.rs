@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
+use std::io::{Cursor, ErrorKind};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, UNIX_EPOCH};
@@ -115,6 +116,16 @@ impl History {
         read.map_err(|cause| HistoryError { path: path.to_owned(), cause })
     }
 
+    /// Reads a history; one without results if there is no such file.
+    pub(super) fn read_if_present(path: &Path) -> Result<Self, HistoryError> {
+        match Self::read(path) {
+            Err(HistoryError { cause: HistoryErrorCause::Io(error), .. }) if error.kind() == ErrorKind::NotFound => {
+                Ok(Self::empty(path))
+            }
+            read => read,
+        }
+    }
+
     fn of_frame(path: &Path, frame: DataFrame) -> Result<Self, HistoryErrorCause> {
         check_types(&frame)?;
         let rows = frame.height();
@@ -222,10 +233,11 @@ fn check_types(frame: &DataFrame) -> Result<(), HistoryErrorCause> {
 }
 
 fn read_frame(path: &Path) -> Result<DataFrame, HistoryErrorCause> {
-    // Opened once: other programs may replace the file meanwhile.
-    let (file, _) = input::open(path)?;
+    // In memory: other programs may replace the file meanwhile, or shorten it, which would end a program that has
+    // mapped it.
+    let bytes = input::read(path, u64::MAX)?;
     // On this thread, where a panic is caught.
-    let mut reader = ParquetReader::new(file).read_parallel(ParallelStrategy::None).set_rechunk(true);
+    let mut reader = ParquetReader::new(Cursor::new(bytes)).read_parallel(ParallelStrategy::None).set_rechunk(true);
     let height = reader.num_rows()?;
     if height > MOST_ROWS {
         return Err(HistoryErrorCause::TooLong { found: height, most: MOST_ROWS });

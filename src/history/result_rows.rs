@@ -61,11 +61,10 @@ pub(super) fn result_frame(
 ) -> Result<DataFrame, HistoryError> {
     let path = results.path.clone();
     let fail = |cause| HistoryError { path: path.clone(), cause };
-    let io = |error| fail(HistoryErrorCause::Io(error));
     let unread = |error: ResultsError| fail(HistoryErrorCause::Results(error.cause));
-    let modified = path.metadata().and_then(|about| about.modified()).map_err(io)?;
-    let recorded = modified.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs() as i64);
-    let claims = results.claims().map_err(|error| io(std::io::Error::other(error)))?;
+    let since = results.modified().and_then(|modified| modified.duration_since(UNIX_EPOCH).ok());
+    let recorded = since.map_or(0, |since| since.as_secs() as i64);
+    let claims = results.claims().to_vec();
     let rows = results.len();
     let measured = measured_columns(results);
     let mut texts: Vec<Vec<Option<String>>> = TEXTS.iter().map(|_| Vec::with_capacity(rows)).collect();

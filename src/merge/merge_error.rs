@@ -7,7 +7,8 @@ use std::path::PathBuf;
 /// Number of runs named for one problem.
 pub(super) const MAX_NAMED: usize = 10;
 
-/// Errors of merging. Nothing has been written, unless writing a file failed.
+/// Errors of merging. Nothing has been written, unless writing a file failed, or another program changed
+/// the results of a shard meanwhile.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
     /// A file cannot be read or written.
@@ -63,6 +64,14 @@ pub enum MergeError {
         /// Another.
         b: PathBuf,
         /// The difference.
+        what: String,
+    },
+    /// Results that another program changed after they were checked.
+    #[error("{}: changed while it was merged: {what}; merge again", path.display())]
+    Changed {
+        /// A folder of a shard.
+        path: PathBuf,
+        /// What changed.
         what: String,
     },
     /// Missing or differing runs, one line each.

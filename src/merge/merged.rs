@@ -39,6 +39,8 @@ pub struct Merged {
     pub unfinished: usize,
     /// Number of runs with a failed expectation.
     pub failed: usize,
+    /// Keeps other programs out of the folder.
+    pub lock: RunsLog,
 }
 
 impl Shards {
@@ -76,6 +78,10 @@ impl Shards {
             let Some(holder) =
                 holders.iter().find(|h| h.record().is_file() && !missing.broken.contains(&(h.shard, h.run.at)))
             else {
+                if !missing.without_result.contains(&holders[0].run.at) {
+                    let what = format!("the result of {} {} is gone", holders[0].run.scenario, holders[0].run.key);
+                    return Err(MergeError::Changed { path: holders[0].folder.to_owned(), what });
+                }
                 // A result of an earlier merge does not belong to these shards.
                 let _ = std::fs::remove_dir_all(&to);
                 return Ok(());
@@ -113,6 +119,7 @@ impl Shards {
             claims_file,
             unfinished,
             failed,
+            lock: log,
         })
     }
 }

@@ -17,6 +17,8 @@ pub struct Missing {
     pub lines: Vec<String>,
     /// Shard and plan index of unusable results.
     pub(super) broken: BTreeSet<(usize, usize)>,
+    /// Plan indices of runs of which no shard has a whole result.
+    pub(super) without_result: BTreeSet<usize>,
     pub(super) references: References,
 }
 
@@ -52,16 +54,17 @@ impl Shards {
                 "{gaps} runs of the plan are in no shard: a {SHARD_LIST} lacks lines"
             )]));
         }
+        lines.extend(self.busy.iter().cloned());
         lines.extend(self.unfinished_searches());
         let missing_logs = missing_logs(self, &check)?;
-        let ShardCheck { absent, broken, .. } = check.require_equal()?;
+        let ShardCheck { absent, broken, without_result, .. } = check.require_equal()?;
         for (shard, missing) in absent.into_iter().enumerate() {
             lines.extend(missing.line(&self.name(shard)));
         }
         let references = references.require_equal()?;
         lines.extend(references.missing(self));
         lines.extend(missing_logs);
-        Ok(Missing { lines, broken, references })
+        Ok(Missing { lines, broken, without_result, references })
     }
 
     fn missing_shards(&self) -> Vec<String> {

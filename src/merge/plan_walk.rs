@@ -4,7 +4,7 @@ use crate::files::RecordError;
 use crate::files::names;
 use crate::merge::merge_error::MergeError;
 use crate::merge::shards::Shards;
-use crate::results::{RunRecord, ShardList, ShardRun, log_mismatch};
+use crate::results::{RunRecord, SHARD_LIST, ShardList, ShardRun, log_mismatch};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::path::{Path, PathBuf};
@@ -60,6 +60,11 @@ impl Shards {
         visit: &mut dyn FnMut(&[Holder]) -> Result<(), MergeError>,
     ) -> Result<(), MergeError> {
         let mut lists = self.folders.iter().map(|f| ShardList::open(f)).collect::<Result<Vec<_>, RecordError>>()?;
+        let changed = lists.iter().zip(&self.heads).position(|(list, head)| list.head != *head);
+        if let Some(shard) = changed {
+            let what = format!("its {SHARD_LIST} is another one");
+            return Err(MergeError::Changed { path: self.folders[shard].clone(), what });
+        }
         let mut waiting: Vec<Option<ShardRun>> = Vec::new();
         let mut next = BinaryHeap::new();
         for (shard, list) in lists.iter_mut().enumerate() {

@@ -12,6 +12,8 @@ pub(super) struct ShardCheck {
     pub absent: Vec<MissingRuns>,
     /// Shard and plan index of unusable results.
     pub broken: BTreeSet<(usize, usize)>,
+    /// Plan indices of runs of which no shard has a whole result.
+    pub without_result: BTreeSet<usize>,
     /// Number of runs with a log.
     pub with_log: usize,
     /// Number of runs without a log.
@@ -32,6 +34,7 @@ impl ShardCheck {
         ShardCheck {
             absent: vec![MissingRuns::default(); shards],
             broken: BTreeSet::new(),
+            without_result: BTreeSet::new(),
             with_log: 0,
             without_log: 0,
             differ: Vec::new(),
@@ -65,6 +68,9 @@ impl ShardCheck {
                     }
                 },
             }
+        }
+        if first.is_none() {
+            self.without_result.insert(run.at);
         }
         first
     }

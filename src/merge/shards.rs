@@ -2,7 +2,7 @@
 
 use crate::files::RecordError;
 use crate::merge::merge_error::MergeError;
-use crate::results::{ShardHead, ShardList};
+use crate::results::{ResultsLock, ShardHead, ShardList};
 use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
 use std::path::{Component, Path, PathBuf};
@@ -12,10 +12,14 @@ use std::path::{Component, Path, PathBuf};
 pub struct Shards {
     pub(super) folders: Vec<PathBuf>,
     pub(super) heads: Vec<ShardHead>,
+    /// Shards that another program is writing, one line of text each.
+    pub(super) busy: Vec<String>,
+    /// Keep batches out of the others.
+    _locks: Vec<ResultsLock>,
 }
 
 impl Shards {
-    /// Opens the folders of shards.
+    /// Opens the folders of shards, and locks those that no other program writes.
     ///
     /// # Errors
     /// A folder is not a shard, or they belong to different plans.
@@ -31,7 +35,16 @@ impl Shards {
             }
             Err(error) => Err(error.into()),
         });
-        let shards = Shards { folders: folders.to_vec(), heads: heads.collect::<Result<_, _>>()? };
+        let heads = heads.collect::<Result<Vec<_>, _>>()?;
+        let (mut locks, mut busy) = (Vec::new(), Vec::new());
+        for folder in folders {
+            match ResultsLock::shared(folder) {
+                Ok(lock) => locks.push(lock),
+                Err(error @ RecordError::InUse { .. }) => busy.push(error.to_string()),
+                Err(error) => return Err(error.into()),
+            }
+        }
+        let shards = Shards { folders: folders.to_vec(), heads, busy, _locks: locks };
         for (folder, head) in shards.folders.iter().zip(&shards.heads).skip(1) {
             let first = &shards.heads[0];
             let what = match () {

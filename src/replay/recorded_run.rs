@@ -1,6 +1,6 @@
 //! Finds recorded runs by key, folder or file.
 
-use crate::files::names;
+use crate::files::{json, names};
 use crate::replay::replay_error::ReplayError;
 use crate::results::{RunRecord, read_records};
 use crate::sim::Outcome;
@@ -26,6 +26,13 @@ impl RecordedRun {
         let record = RunRecord::read(path)?;
         let log = Some(path.with_file_name(names::LOG)).filter(|log| log.exists());
         Ok(Self { path: path.to_owned(), record, log })
+    }
+
+    /// True if another program has removed or replaced the record since it was read.
+    pub fn has_changed(&self) -> bool {
+        // As bytes, in which equal values that are not numbers are equal.
+        let bytes = |record: &RunRecord| json::compact(record).ok();
+        RunRecord::read(&self.path).map_or(true, |now| bytes(&now) != bytes(&self.record))
     }
 
     /// True if a time limit or a user terminated the run; a re-run does not end at the same

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::files::{RecordError, remove_partial};
 use crate::history::History;
 use crate::report::{Pictured, ShownBatch, ShownHistory, found_runs, write_report_of};
-use crate::results::claims::{read_change_claims, read_claims};
+use crate::results::claims::read_claims;
 use crate::results::searches::read_searches;
 use crate::results::{FoundRun, Listing, SampledRuns, SummaryFiles, SummaryRow, write_summary_of};
 
@@ -27,8 +27,7 @@ pub fn rewrite_results(
     let SampledRuns { statistics, runs } = rows.into_sampled();
     let (rows, reference_rows) = (summary_rows(&runs), summary_rows(&listing.references));
     let (shown, references) = (found_runs(&rows, &runs), found_runs(&reference_rows, &listing.references));
-    let (claims, searches) = (read_claims(folder)?, read_searches(folder)?);
-    let changes = read_change_claims(folder)?;
+    let ((claims, changes), searches) = (read_claims(folder)?, read_searches(folder)?);
     let history = history.map(|history| ShownHistory { history, changes: &changes });
     let batch = ShownBatch { claims: &claims, searches: &searches, history, pending: &[] };
     write_report_of(page, folder, (&shown, &statistics), &references, (pictured, batch))?;

@@ -24,6 +24,8 @@ use std::collections::BTreeMap;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
+use crate::files::FileLock;
+
 pub use jobs::{Jobs, SUBMIT_SCHEMA};
 pub use submit_error::{SubmitError, WaitError};
 
@@ -86,6 +88,14 @@ impl Sweep {
     /// It has other results, or cannot be read.
     pub fn check_folder(&self) -> Result<(), SubmitError> {
         folder_check::check(self)
+    }
+
+    /// Waits for other submissions to the folder, which is created if it is missing.
+    ///
+    /// # Errors
+    /// The folder cannot be written.
+    pub fn lock(&self) -> Result<FileLock, SubmitError> {
+        Ok(FileLock::wait(&self.folder.join("submit"))?)
     }
 }
 

@@ -5,6 +5,7 @@
 mod disk;
 mod killed;
 mod links;
+mod readers;
 mod resume;
 mod special;
 mod summary;

@@ -29,7 +29,7 @@ fn two_programs_do_not_write_into_the_same_folder() {
     place.write("results/summary.csv", "theirs");
     for more in [&[][..], &["--resume"]] {
         let done = place.runner(&[&["s.toml"][..], more].concat()).exits(2);
-        assert!(done.stderr.contains("another runner is writing these results"), "{}", done.stderr);
+        assert!(done.stderr.contains("another runner is using these results"), "{}", done.stderr);
     }
     assert_eq!(std::fs::read_to_string(place.path("results/summary.csv")).unwrap(), "theirs");
 }

@@ -1,6 +1,9 @@
 //! Tests of submissions into folders that already contain jobs or results.
 
+use std::process::Stdio;
+
 use super::{Site, exists, submit};
+use crate::cli::Done;
 
 /// Asserts that a submission is refused because of other results in the folder.
 #[track_caller]
@@ -89,4 +92,26 @@ fn links_and_pipes_in_the_folder_are_refused() {
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     let done = site.runner(&submit("sweep", "3", &["thrown.toml"])).exits(2);
     assert!(done.stderr.contains("jobs.json"), "{}", done.stderr);
+}
+
+#[test]
+fn of_submissions_at_once_one_is_accepted() {
+    const PROGRAMS: usize = 6;
+    let site = Site::new();
+    // As long as the jobs of the first have not ended.
+    site.slurm.set("alive", "41 RUNNING\n42 PENDING\n");
+    let arguments = submit("sweep", "3", &["thrown.toml"]);
+    let start = |_| {
+        let mut command = site.place.command(&arguments);
+        site.slurm.put_on_path(&mut command);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    let all: Vec<_> = (0..PROGRAMS).map(start).collect();
+    let done: Vec<Done> = all.into_iter().map(|child| Done::from(child.wait_with_output().unwrap())).collect();
+    let refused = |done: &&Done| done.code == Some(2) && done.stderr.contains("its jobs have not ended yet");
+    let errors: Vec<&String> = done.iter().map(|done| &done.stderr).collect();
+    assert_eq!(done.iter().filter(refused).count(), PROGRAMS - 1, "{errors:?}");
+    assert_eq!(done.iter().filter(|done| done.code == Some(0)).count(), 1, "{errors:?}");
+    let submitted = site.slurm.calls().into_iter().filter(|call| call.contains(&"--parsable".to_owned()));
+    assert_eq!(submitted.count(), 2, "the array and the merge of one submission");
 }

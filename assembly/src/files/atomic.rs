@@ -39,8 +39,9 @@ fn remove_partial_of(folder: &Path, name: &str) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
         if entry.file_type().is_ok_and(|kind| kind.is_file()) && is_partial(&entry.path(), name) {
-            let file = open_to_lock(&entry.path());
-            if !file.as_ref().is_ok_and(is_locked) {
+            // What cannot be opened may be another user's, who is writing it.
+            let Ok(file) = open_to_lock(&entry.path()) else { continue };
+            if !is_locked(&file) {
                 // The lock is held until the file is gone.
                 let _ = std::fs::remove_file(entry.path());
             }
@@ -51,7 +52,7 @@ fn remove_partial_of(folder: &Path, name: &str) {
 /// True for an incomplete version of a file whose name begins with `name`, unless another program
 /// is writing it.
 pub fn is_abandoned(path: &Path, name: &str) -> bool {
-    is_partial(path, name) && !open_to_lock(path).is_ok_and(|file| is_locked(&file))
+    is_partial(path, name) && open_to_lock(path).is_ok_and(|file| !is_locked(&file))
 }
 
 fn is_partial(path: &Path, name: &str) -> bool {
@@ -209,6 +210,10 @@ pub fn write_named(
             let mut out = BufWriter::new(file);
             fill(&mut out)?;
             out.flush().map_err(RecordError::io(path))
+        }
+        // Others may be passing troubles of a network, behind which the file is whole.
+        Err(error) if !matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+            Err(RecordError::io(path)(error))
         }
         _ => {
             remove_interrupted(path);

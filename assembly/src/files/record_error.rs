@@ -56,8 +56,8 @@ pub enum RecordError {
         /// The name.
         name: String,
     },
-    /// Another program is writing these results.
-    #[error("{path}: another runner is writing these results: wait for it, or use another folder")]
+    /// Another program is writing or reading these results.
+    #[error("{path}: another runner is using these results: wait for it, or use another folder")]
     InUse {
         /// The locked file.
         path: PathBuf,

@@ -102,11 +102,17 @@ pub(super) fn include(
     let folder = uri.source.path().parent().unwrap_or(Path::new(""));
     let found = resolve_uri(folder, uri.text()).map_err(cannot)?;
     let file = if found.is_dir() { model_file(&found).map_err(cannot)? } else { found };
-    let text = input::read_text(&file, input::MOST_TEXT)
-        .map_err(|error| cannot(format!("{} cannot be read: {error}", file.display())))?;
-    if !reading.document.files.iter().any(|(known, _)| *known == file) {
-        reading.document.files.push((file.clone(), text.as_bytes().to_vec()));
-    }
+    // A file that is included again is not read again: the bytes that are used are those that are known.
+    let known = reading.document.files.iter().find(|(known, _)| *known == file);
+    let text = match known.and_then(|(_, bytes)| str::from_utf8(bytes).ok()) {
+        Some(text) => text.to_owned(),
+        None => {
+            let text = input::read_text(&file, input::MOST_TEXT)
+                .map_err(|error| cannot(format!("{} cannot be read: {error}", file.display())))?;
+            reading.document.files.push((file.clone(), text.as_bytes().to_vec()));
+            text
+        }
+    };
     // Models of the included file go to their own list.
     let own = std::mem::take(&mut reading.document.models);
     let done = read_file(&Source::new(&file, text), reading, depth + 1);

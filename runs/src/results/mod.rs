@@ -5,6 +5,7 @@
 //! | `record` | `run.json`, the record of one run |
 //! | `summary` | `summary.csv`, `summary.parquet`, statistics |
 //! | `runs_log`, `shard_list`, `junit` | `runs.jsonl`, `shard.jsonl`, JUnit XML |
+//! | `results_lock` | the lock of a folder of results |
 //! | `discovery` | finds the records below a folder |
 //! | `claims` | judges statements about all runs |
 //! | `searches` | results of searches |
@@ -27,6 +28,7 @@ mod overview;
 pub mod pareto;
 mod record;
 mod reference_motion;
+mod results_lock;
 mod runs_log;
 pub mod searches;
 mod shard_list;
@@ -45,6 +47,7 @@ pub use record::{
     hash_input, is_truth,
 };
 pub use reference_motion::{Comparator, ReferenceMotion};
+pub use results_lock::ResultsLock;
 pub use runs_log::{LoggedRuns, RunsLog};
 pub use shard_list::{PlanHash, SHARD_LIST, SHARD_SCHEMA, ShardHead, ShardList, ShardRun};
 pub use summary::{

@@ -1,21 +1,23 @@
 //! `runs.jsonl`: one line of JSON as each run ends, with the summary's names. A killed batch leaves
-//! every line it wrote. The writer locks the file, and with it the folder of results; the lock ends
-//! with the process.
+//! every line it wrote. The writer locks the file, and with it the folder of results, until it is dropped
+//! or the process ends.
 
 use crate::files::checksum::{self, Layout};
 use crate::files::{RecordError, atomic, confined, durability, json};
 use crate::metrics::{COLUMNS, number::Real};
 use crate::results::SummaryRow;
+use crate::results::results_lock::{self, Hold};
 use crate::results::summary::TEXT_COLUMNS;
 use serde::{Deserialize, Serialize, Serializer, ser::SerializeMap};
 use std::collections::HashSet;
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, OpenOptions};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{BufRead, BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// An open `runs.jsonl`.
+#[derive(Debug)]
 pub struct RunsLog {
     path: PathBuf,
     file: Mutex<File>,
@@ -38,13 +40,15 @@ impl RunsLog {
             let source = std::io::Error::new(ErrorKind::InvalidInput, "exists and is not a file: remove it");
             return Err(RecordError::Io { path: path.to_owned(), source });
         }
-        let mut file =
-            OpenOptions::new().create(true).read(true).append(true).open(path).map_err(RecordError::io(path))?;
-        match file.try_lock() {
-            // Some file systems have no locks.
-            Ok(()) | Err(TryLockError::Error(_)) => {}
-            Err(TryLockError::WouldBlock) => return Err(RecordError::InUse { path: path.to_owned() }),
-        }
+        let mut file = loop {
+            let opened = OpenOptions::new().create(true).read(true).append(true).open(path);
+            let file = opened.map_err(RecordError::io(path))?;
+            results_lock::lock(&file, path, Hold::Alone)?;
+            // A batch that removed damaged lines may have replaced the file before it was locked.
+            if is_at(&file, path) {
+                break file;
+            }
+        };
         remove_torn_line(&mut file).map_err(RecordError::io(path))?;
         Ok(Self { path: path.to_owned(), file: Mutex::new(file) })
     }
@@ -107,6 +111,20 @@ impl Drop for RunsLog {
     fn drop(&mut self) {
         let _ = self.file().unlock();
     }
+}
+
+/// True if the path leads to this open file. An error shows at the next write.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let place = |about: std::fs::Metadata| (about.dev(), about.ino());
+    file.metadata().map(place).ok() == std::fs::metadata(path).map(place).ok()
+}
+
+/// Other systems do not replace open files.
+#[cfg(not(unix))]
+fn is_at(_: &File, _: &Path) -> bool {
+    true
 }
 
 /// The runs with an intact line, and whether other lines are damaged.

@@ -99,6 +99,9 @@ impl Replay {
             return Err(Exit::Unfinished);
         }
         let differences = replay::compare(recorded, &again);
+        if !differences.is_empty() && recorded.has_changed() {
+            return Err(refuse(format!("{}: changed while it was re-run: not compared", recorded.path.display())));
+        }
         let files = if recorded.log.is_some() { "run.json and log.mcap" } else { "run.json; there is no log" };
         let text = match differences.as_slice() {
             [] if recorded.terminated_externally() && recorded.log.is_none() => {

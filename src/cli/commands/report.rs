@@ -7,7 +7,7 @@ use crate::files::{OutputKind, RecordError, check_replaceable, names};
 use crate::history::History;
 use crate::report::{Pictured, ReportRun, ShownBatch, ShownHistory, rewrite_results, write_report_of};
 use crate::results::pareto::{Work, pareto_table};
-use crate::results::{Listing, SummaryRow, list_records};
+use crate::results::{Listing, ResultsLock, SummaryRow, list_records};
 use crate::text::visible::{visible_lines, visible_path};
 use clap::Args;
 
@@ -46,6 +46,8 @@ impl Report {
         if self.results.is_file() {
             return self.of_table();
         }
+        // Until the page is written: a batch would change the records, and write its own.
+        let _lock = ResultsLock::alone(&self.results).map_err(fail)?;
         let listing = list_records(&self.results).map_err(fail)?;
         listing.skipped.iter().for_each(|error| complain(&format!("warning: passed over: {error}")));
         if listing.runs() == 0 {

@@ -100,6 +100,9 @@ impl Submit {
         drop(plan);
         sweep.check_parts().map_err(refused)?;
         let submission = Submission::new(&sweep, &self.options()).map_err(refused)?;
+        // Before the lock, which writes into the folder, and again when the submissions before this one are known.
+        sweep.check_folder().map_err(refused)?;
+        let lock = sweep.lock().map_err(refused)?;
         sweep.check_folder().map_err(refused)?;
         if self.dry_run {
             submission.write().map_err(refused)?;
@@ -108,6 +111,7 @@ impl Submit {
         }
         submission.check().map_err(refused)?;
         let submitted = submission.submit(self.wait).map_err(refused)?;
+        drop(lock);
         print(&submission_text(&sweep, &submitted))?;
         match self.wait {
             true => wait_for_merge(&sweep, submitted),

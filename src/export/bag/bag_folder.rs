@@ -80,8 +80,7 @@ impl BagFolder {
         let (storage, metadata) = (self.path.join(&self.storage), self.path.join(METADATA));
         let written = self.write_files(&storage, &metadata, fill);
         if written.is_err() && self.is_new {
-            // An error here would hide the first one.
-            let _ = std::fs::remove_file(&storage);
+            // Another program may have a bag there by now. An error here would hide the first one.
             let _ = std::fs::remove_dir(&self.path);
         }
         written
@@ -102,7 +101,11 @@ impl BagFolder {
         file.write_all(text.as_bytes()).map_err(RecordError::io(metadata))?;
         // Both are complete; readers look for the metadata first.
         atomic::publish(partial_storage, storage)?;
-        atomic::publish(partial_metadata, metadata)?;
+        let published = atomic::publish(partial_metadata, metadata);
+        if published.is_err() && self.is_new {
+            let _ = std::fs::remove_file(storage);
+        }
+        published?;
         Ok(result)
     }
 }
@@ -156,6 +159,17 @@ mod tests {
         let file = place.path().join("file");
         std::fs::write(&file, "").unwrap();
         assert!(write(&file, "x").unwrap_err().to_string().contains("exists and is not a folder"));
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_bag_of_another_program() {
+        let place = tempfile::tempdir().unwrap();
+        let bag = place.path().join("b");
+        let ours = BagFolder::check(&bag).unwrap();
+        write(&bag, "theirs").unwrap();
+        ours.write::<()>(|_, _| Err(ExportError::NoTopics)).unwrap_err();
+        assert_eq!(names(&bag), ["b_0.mcap", METADATA]);
+        assert!(std::fs::read(bag.join("b_0.mcap")).unwrap().ends_with(b"theirs"));
     }
 
     #[test]

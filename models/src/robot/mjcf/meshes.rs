@@ -138,20 +138,24 @@ impl<'a> Meshes<'a> {
             return Ok(Err("built-in meshes are not available".into()));
         }
         let Some(path) = self.path(view, compiler) else { return inline(view) };
-        let bytes = match input::read(&path, input::MOST_DATA) {
-            Ok(bytes) => bytes,
-            Err(error) => return Ok(Err(format!("{}: {error}", path.display()))),
+        // A file of several meshes is read once: the bytes that are used are those that are known.
+        let at = match self.files.iter().position(|(known, _)| *known == path) {
+            Some(at) => at,
+            None => match input::read(&path, input::MOST_DATA) {
+                Ok(bytes) => {
+                    self.files.push((path.clone(), bytes));
+                    self.files.len() - 1
+                }
+                Err(error) => return Ok(Err(format!("{}: {error}", path.display()))),
+            },
         };
-        let soup = match is_msh(&path) {
-            true => msh(&bytes).ok_or("it is not a valid MSH file".to_owned()),
-            false => mesh::decode(&bytes, &path).map_err(|error| error.to_string()).and_then(|decoded| {
+        let bytes = &self.files[at].1;
+        Ok(match is_msh(&path) {
+            true => msh(bytes).ok_or("it is not a valid MSH file".to_owned()),
+            false => mesh::decode(bytes, &path).map_err(|error| error.to_string()).and_then(|decoded| {
                 decoded.scaled(&Vector3::repeat(1.0)).ok_or("its vertices are too large".to_owned())
             }),
-        };
-        if !self.files.iter().any(|(known, _)| *known == path) {
-            self.files.push((path, bytes));
-        }
-        Ok(soup)
+        })
     }
 }
 

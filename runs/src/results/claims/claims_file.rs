@@ -41,20 +41,12 @@ pub fn write_claims(
     Ok(Some(path))
 }
 
-/// Reads the results of claims in a folder of results; none without a file.
+/// Reads the results of claims, and the claims about changes, in a folder of results; none without a file.
 ///
 /// # Errors
 /// The file cannot be read, or is of another version.
-pub fn read_claims(results: &Path) -> Result<Vec<ClaimVerdict>, RecordError> {
-    Ok(read_file(results)?.map_or_else(Vec::new, |file| file.claims))
-}
-
-/// Reads the claims about changes in a folder of results; none without a file.
-///
-/// # Errors
-/// As [`read_claims`].
-pub fn read_change_claims(results: &Path) -> Result<Vec<ChangeClaim>, RecordError> {
-    Ok(read_file(results)?.map_or_else(Vec::new, |file| file.changes))
+pub fn read_claims(results: &Path) -> Result<(Vec<ClaimVerdict>, Vec<ChangeClaim>), RecordError> {
+    Ok(read_file(results)?.map_or_else(Default::default, |file| (file.claims, file.changes)))
 }
 
 fn read_file(results: &Path) -> Result<Option<ClaimsFile>, RecordError> {

@@ -18,6 +18,6 @@ mod verdict;
 pub use change_claim::{ChangeClaim, GroupChanges, RunChange, judge_changes};
 pub use claim_head::{ClaimHead, GroupHead, RunClaim};
 pub use claim_table::claim_table;
-pub use claims_file::{CLAIMS_SCHEMA, read_change_claims, read_claims, write_claims};
+pub use claims_file::{CLAIMS_SCHEMA, read_claims, write_claims};
 pub use tally::Tally;
 pub use verdict::{ClaimVerdict, Judgement, TracePoint};
