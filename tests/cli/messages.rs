@@ -172,7 +172,7 @@ fn a_slow_run_is_reported_while_it_runs_and_at_the_end() {
 
     let done = place.runner(&arguments).exits(3);
     let key = lines[5]["key"].as_str().unwrap();
-    assert!(done.stdout.contains(&format!("slow: s {key} took 1.5")), "{}", done.stdout);
+    assert!(done.stdout.contains(&format!("slow: s {key} took ")), "{}", done.stdout);
     assert_eq!(done.stdout.matches("slow: ").count(), 1);
 }
 

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use stiction::compare::{Limits, Results, compare};
 use stiction::history::{Appended, Baseline, History, TrendRule, append};
@@ -198,13 +198,18 @@ fn the_lock_is_that_of_the_file_that_has_the_name() {
     for _ in 0..8 {
         let first = RunsLog::append(&path).unwrap();
         fs::write(&path, whole.replacen("\"seed\":", "\"seed\":1", 1)).unwrap();
-        let begins = AtomicBool::new(false);
+        let begun = AtomicUsize::new(0);
+        let begin = || _ = begun.fetch_add(1, Ordering::Relaxed);
         std::thread::scope(|scope| {
             let second = scope.spawn(|| {
-                begins.store(true, Ordering::Relaxed);
+                begin();
                 RunsLog::append(&path).is_ok()
             });
-            while !begins.load(Ordering::Relaxed) {
+            let reader = scope.spawn(|| {
+                begin();
+                ResultsLock::shared(&place.path("a")).is_ok()
+            });
+            while begun.load(Ordering::Relaxed) < 2 {
                 std::thread::yield_now();
             }
             for _ in 0..20 {
@@ -212,6 +217,7 @@ fn the_lock_is_that_of_the_file_that_has_the_name() {
             }
             first.logged().unwrap();
             assert!(!second.join().unwrap(), "both write");
+            assert!(!reader.join().unwrap(), "the other one reads");
         });
         drop(first);
     }

@@ -10,7 +10,7 @@ use crate::cli::{Done, Place};
 /// Runs the program with an address space of 2 GB for at most half a minute.
 #[track_caller]
 fn limited(place: &Place, arguments: &str) -> Done {
-    let done = place.shell(&format!("ulimit -v 2000000; exec timeout 30 \"$0\" {arguments} < /dev/zero"));
+    let done = place.shell(&format!("ulimit -v 2000000; exec timeout 300 \"$0\" {arguments} < /dev/zero"));
     assert_ne!(done.code, Some(124), "timeout: {}", done.stderr);
     done
 }

@@ -14,7 +14,7 @@ VERSION = 2
 HELLO, WELCOME, CONTROL, SENSING, BYE, CONFIRM = 1, 2, 3, 4, 5, 6
 BASE, LAST = 2, 8
 sock = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-sock.settimeout(0.5)
+sock.settimeout(20)
 sock.connect(("127.0.0.1", int(sys.argv[1])))
 bent = int(sys.argv[2])
 sent = 0

@@ -171,8 +171,9 @@ fn at_a_pace_the_robot_stands_despite_network_impairment() {
 fn missing_peers_are_reported_and_recorded() {
     let place = Place::new();
     hoap2(&place, "s.toml", SQUAT);
-    // The port is free again, so no process receives on it.
-    let port = std::net::UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    // Packets arrive here, and nobody reads them.
+    let silent = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
+    let port = silent.local_addr().unwrap().port();
     let done = place.runner(&["s.toml", "--set", &format!("robot.backend=\"udp://127.0.0.1:{port}\"")]).exits(3);
     assert!(done.stdout.contains(&format!("no packet from 127.0.0.1:{port} for 3 s")), "{}", done.stdout);
     assert_eq!(place.summary("results").column("outcome"), ["error"]);

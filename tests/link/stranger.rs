@@ -78,9 +78,11 @@ fn hold(place: &Place, results: &str, inject: impl Fn(&Client, u16, u64, &Comman
             client.send(Kind::Bye, header.tick, |_| ());
             break;
         }
-        if answered != Some(header.tick) {
-            inject(&client, server.port, header.tick, &deviating);
+        // Sent again since the answer is on its way.
+        if answered == Some(header.tick) {
+            continue;
         }
+        inject(&client, server.port, header.tick, &deviating);
         answered = Some(header.tick);
         client.send(Kind::Control, header.tick, |out| write_control(&command, Some(header.tick + 1), out));
     }

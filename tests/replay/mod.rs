@@ -241,7 +241,7 @@ fn contact_problems_are_written_to_the_output_folder() {
 fn a_timed_out_run_is_compared_up_to_its_end() {
     let place = Place::new();
     place.block("long.toml", "base = { linear_velocity = [1, 0, 0] }\n[log]\nrate = 100\n");
-    place.runner(&["long.toml", "--set", "duration=1e6", "--timeout", "0.3"]).exits(3);
+    place.runner(&["long.toml", "--set", "duration=1e6", "--timeout", "0.05"]).exits(3);
     let folder = folders(&place, "long").remove(0);
     let log = fs::read(place.path(&folder).join("log.mcap"));
     let done = place.runner(&["replay", &folder, "--timeout", "3"]).exits(0);

@@ -52,7 +52,12 @@ fn remove_partial_of(folder: &Path, name: &str) {
 /// True for an incomplete version of a file whose name begins with `name`, unless another program
 /// is writing it.
 pub fn is_abandoned(path: &Path, name: &str) -> bool {
-    is_partial(path, name) && open_to_lock(path).is_ok_and(|file| !is_locked(&file))
+    let is_free = |file: File| {
+        let is_free = !is_locked(&file);
+        let _ = file.unlock();
+        is_free
+    };
+    is_partial(path, name) && open_to_lock(path).is_ok_and(is_free)
 }
 
 fn is_partial(path: &Path, name: &str) -> bool {

@@ -4,6 +4,7 @@
 
 use crate::files::{RecordError, names};
 use std::fs::{File, TryLockError};
+use std::io;
 use std::path::Path;
 use std::time::Duration;
 
@@ -50,9 +51,8 @@ impl ResultsLock {
             return Ok(ResultsLock { file: None });
         }
         // Network file systems lock only files that are open for writing alone.
-        let file = File::options().read(true).append(true).open(&path).or_else(|_| File::open(&path));
-        let file = file.map_err(RecordError::io(&path))?;
-        lock(&file, &path, hold)?;
+        let open = || File::options().read(true).append(true).open(&path).or_else(|_| File::open(&path));
+        let file = locked(&path, hold, open)?;
         Ok(ResultsLock { file: Some(file) })
     }
 }
@@ -64,8 +64,9 @@ impl Drop for ResultsLock {
     }
 }
 
-/// Locks `runs.jsonl`.
-pub(super) fn lock(file: &File, path: &Path, hold: Hold) -> Result<(), RecordError> {
+/// Opens `runs.jsonl` and locks it.
+pub(super) fn locked(path: &Path, hold: Hold, open: impl Fn() -> io::Result<File>) -> Result<File, RecordError> {
+    let mut file = open().map_err(RecordError::io(path))?;
     for attempt in 0..ATTEMPTS {
         if attempt > 0 {
             std::thread::sleep(PAUSE);
@@ -75,11 +76,27 @@ pub(super) fn lock(file: &File, path: &Path, hold: Hold) -> Result<(), RecordErr
             Hold::Shared => file.try_lock_shared(),
         };
         match locked {
-            Ok(()) | Err(TryLockError::Error(_)) => return Ok(()),
             Err(TryLockError::WouldBlock) => {}
+            Ok(()) | Err(TryLockError::Error(_)) if is_at(&file, path) => return Ok(file),
+            // A batch that removed damaged lines has replaced the file.
+            Ok(()) | Err(TryLockError::Error(_)) => file = open().map_err(RecordError::io(path))?,
         }
     }
     Err(RecordError::InUse { path: path.to_owned() })
+}
+
+/// True if the path leads to this open file. An error shows at the next write.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let place = |about: std::fs::Metadata| (about.dev(), about.ino());
+    file.metadata().map(place).ok() == std::fs::metadata(path).map(place).ok()
+}
+
+/// Other systems do not replace open files.
+#[cfg(not(unix))]
+fn is_at(_: &File, _: &Path) -> bool {
+    true
 }
 
 #[cfg(test)]

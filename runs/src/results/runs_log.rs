@@ -40,15 +40,8 @@ impl RunsLog {
             let source = std::io::Error::new(ErrorKind::InvalidInput, "exists and is not a file: remove it");
             return Err(RecordError::Io { path: path.to_owned(), source });
         }
-        let mut file = loop {
-            let opened = OpenOptions::new().create(true).read(true).append(true).open(path);
-            let file = opened.map_err(RecordError::io(path))?;
-            results_lock::lock(&file, path, Hold::Alone)?;
-            // A batch that removed damaged lines may have replaced the file before it was locked.
-            if is_at(&file, path) {
-                break file;
-            }
-        };
+        let open = || OpenOptions::new().create(true).read(true).append(true).open(path);
+        let mut file = results_lock::locked(path, Hold::Alone, open)?;
         remove_torn_line(&mut file).map_err(RecordError::io(path))?;
         Ok(Self { path: path.to_owned(), file: Mutex::new(file) })
     }
@@ -111,20 +104,6 @@ impl Drop for RunsLog {
     fn drop(&mut self) {
         let _ = self.file().unlock();
     }
-}
-
-/// True if the path leads to this open file. An error shows at the next write.
-#[cfg(unix)]
-fn is_at(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    let place = |about: std::fs::Metadata| (about.dev(), about.ino());
-    file.metadata().map(place).ok() == std::fs::metadata(path).map(place).ok()
-}
-
-/// Other systems do not replace open files.
-#[cfg(not(unix))]
-fn is_at(_: &File, _: &Path) -> bool {
-    true
 }
 
 /// The runs with an intact line, and whether other lines are damaged.

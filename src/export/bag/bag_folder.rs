@@ -143,7 +143,8 @@ mod tests {
         // A killed program leaves such a file.
         let (open, unfinished) = atomic::temporary(&bag.join("b_0.mcap")).unwrap();
         let unfinished = unfinished.keep().unwrap();
-        drop(open);
+        // Closing is not enough if another test starts a process at this moment.
+        open.unlock().unwrap();
         write(&bag, "third").unwrap();
         assert!(!unfinished.exists());
         for (name, content) in [("notes.txt", "x"), ("b_1.mcap", ""), (".hidden", "")] {

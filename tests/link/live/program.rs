@@ -99,7 +99,7 @@ fn a_client_receives_the_log() {
     let place = Place::new();
     hoap2(&place, 0.5, 200.0);
     place.runner(&["s.toml", "-o", "alone"]).exits(0);
-    let run = LiveRun::start(&place, &["s.toml", "-o", "streamed", "--pace", "2"]);
+    let run = LiveRun::start(&place, &["s.toml", "-o", "streamed", "--pace", "0.5"]);
     let mut viewer = Viewer::connect(run.port, "foxglove.websocket.v1");
     viewer.subscribe(|_| true);
     let received = viewer.messages();
