@@ -5,8 +5,8 @@
 //! and the simulation continues with it. So a session is a scenario at any time, and a saved
 //! session replays to the same bits.
 //!
-//! Imports: `text`, `files`, `robot`, `dynamics`, `task`, `script`, `scenario`, `sim`, `log`,
-//! `assemble`, `export`, `batch`. Used by: `cli`.
+//! Imports: `geometry`, `text`, `robot`, `dynamics`, `task`, `sim`, `scenario`, `files`, `script`,
+//! `log`, `assemble`, `batch`, `export`. Used by: `cli`.
 
 mod arguments;
 mod commands;

@@ -2,6 +2,7 @@
 
 use crate::export::data_table::Values;
 use crate::export::log_instants::LogInstant;
+use crate::geometry::roll_pitch_yaw;
 use crate::log::messages::Residual;
 use crate::log::{EstimateSeries, JointSeries, Motion, ObjectSeries, SelfCollisionSeries, SoleSeries, Trajectory};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -84,7 +85,7 @@ impl<'a> Columns<'a> {
         for (k, name) in ["roll", "pitch", "yaw"].into_iter().enumerate() {
             self.real(format!("{prefix}{name}_rad"), move |s| {
                 let orientation = s.interpolate_orientation(&series[s.before], &series[s.after]);
-                Some(<[f64; 3]>::from(orientation.euler_angles())[k])
+                Some(roll_pitch_yaw(&orientation)[k])
             });
         }
     }

@@ -6,7 +6,7 @@
 //! BagLog -> chosen instants -> ROS 2 messages -> folder
 //! ```
 //!
-//! Imports: `text`, `files`, `log`. Used by: `replay`, `console`, `fit`, `cli`.
+//! Imports: `geometry`, `text`, `files`, `log`. Used by: `replay`, `cli`, `console`, `fit`.
 
 pub mod bag;
 mod column_choice;

@@ -14,6 +14,7 @@ mod events;
 mod fallen;
 pub mod falls;
 mod feet;
+mod figures;
 mod flight;
 mod force_sensor;
 mod forced;

@@ -179,7 +179,7 @@ fn a_block_slides_onto_a_patch_with_its_front_edge_first() {
                 (x * cos + y * s) / way - 1.0
             );
             assert!((x * s - y * cos).abs() < 1e-9 && (m.final_base_rpy[2] - yaw).abs() < 1e-9);
-            assert!((z - c).abs() < 1e-9 && m.max_lift_m < 1e-9);
+            assert!((z - c).abs() < 1e-9 && m.max_lift_m.unwrap() < 1e-9);
             assert_eq!((m.inconsistent, m.impacts), (0, 0));
         }
     }

@@ -117,7 +117,6 @@ fn penetration_tension_and_force_across_a_gap_are_measured() {
     let mut case = Case::sticking();
     case.vertex(0).height = 1e-3;
     only(&case.residual(), &[("signorini", 10.0 * 1e-3)]);
-    assert_eq!(case.residual().lift, 0.0);
 
     // A pulled vertex; the other three hold the load.
     let mut case = Case::sticking();

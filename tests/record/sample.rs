@@ -210,7 +210,6 @@ pub fn snapshot(tick: usize) -> Snapshot {
             .collect(),
         residual: Residual {
             penetration: wobble(tick, 500),
-            lift: 0.0,
             tension: wobble(tick, 501),
             signorini: wobble(tick, 502),
             cone_excess: wobble(tick, 503),

@@ -133,7 +133,9 @@ metrics! {
     full_searches("full_searches"): Count, "", Simulation,
         "Selections of `exact` that found no valid state near the previous ones or near the solved contact problem, and \
         searched all states.";
-    impacts("impacts"): Count, "", Simulation, "Velocity jumps.";
+    impacts("impacts"): Count, "", Simulation,
+        "Impacts of contacts that `exact` locates. Those of other methods and of `semi-implicit` take a step and are \
+        not counted.";
     jams("jams"): Count, "", Simulation,
         "Painleve configurations: sliding that no finite force continues, or whose force grows without bound. An \
         impulse in zero time ends each, to rest or to lift-off. The event `jam` names the sole, its normal \
@@ -152,7 +154,8 @@ metrics! {
     max_penetration_m("max_penetration_m"): AtEnd, "m", Simulation, "Deepest sole vertex below the floor.";
     max_static_creep_m("max_static_creep_m"): Running, "m", Simulation,
         "Greatest drift of a static sole's vertex from where it was clamped; with `penalty`, its creep along the floor.";
-    max_lift_m("max_lift_m"): AtEnd, "m", Simulation, "Greatest height of the lowest sole vertex.";
+    max_lift_m("max_lift_m"): OptionalReal, "m", Simulation,
+        "Greatest height of the lowest vertex of the robot's soles; empty without soles.";
     max_cone_excess("max_cone_excess"): AtEnd, "N", Simulation,
         "Greatest tangential load beyond the friction capacity.";
     energy_error_j("energy_error_J"): AtEnd, "J", Simulation, "Error of the energy balance at the end.";
@@ -200,9 +203,11 @@ metrics! {
     external_work_j("external_work_J"): AtEnd, "J", Simulation,
         "Work of external forces, `joint-friction` among them, and of changes by [events](scenario.md#event).";
     joint_loss_j("joint_loss_J"): AtEnd, "J", Simulation,
-        "Energy lost to damping, friction and stops of joints as the robot's files describe them.";
+        "Energy given to damping, friction and stops of joints as the robot's files describe them. What the springs \
+        of stops hold is among it until they return it.";
     friction_loss_j("friction_loss_J"): AtEnd, "J", Simulation,
-        "Energy lost to sliding friction at the soles, from the vertex forces and velocities.";
+        "Energy lost to sliding friction at the soles, from the vertex forces and velocities; with `semi-implicit`, \
+        the work of all tangential impulses, those of static soles and impacts among them.";
     impact_loss_j("impact_loss_J"): AtEnd, "J", Simulation,
         "Energy lost in velocity jumps: impacts, jams, and the little motion that a new state ends; with fixed steps, \
         in normal impulses; with `penalty`, to its damping and what its springs do not hold.";
@@ -225,15 +230,15 @@ metrics! {
         where only weight and floor act on a body at rest; empty in flight.";
     first_tip_s("first_tip_s"): OptionalReal, "s", Simulation,
         "First change of any sole to a smaller pattern: from face to edge or vertex, from edge to vertex.";
-    last_impact_s("last_impact_s"): OptionalReal, "s", Simulation, "Last impact.";
+    last_impact_s("last_impact_s"): OptionalReal, "s", Simulation, "Last of the `impacts`; empty without one.";
     first_impact_speed_ratio("first_impact_speed_ratio"): OptionalReal, "", Simulation,
         "Square root of the kinetic energy after the first impact over that before: the restitution of a flat fall, \
-        the ratio of angular velocities of a rocking body.";
-    max_flight_path_drift_m("max_flight_path_drift_m"): Running, "m", Simulation,
-        "Greatest distance of the centre of mass from the parabola of its flight (from the first instant without \
-        contact). The effect of external forces counts.";
-    max_flight_spin_drift_nms("max_flight_spin_drift_Nms"): Running, "N m s", Simulation,
-        "Greatest change of the angular momentum about the centre of mass in a flight.";
+        the ratio of angular velocities of a rocking body. Empty without one of the `impacts`.";
+    max_flight_path_drift_m("max_flight_path_drift_m"): OptionalReal, "m", Simulation,
+        "Greatest distance of the robot's centre of mass from the parabola of its flight (from the first instant \
+        without contact). The effect of external forces counts. Empty for a fixed base.";
+    max_flight_spin_drift_nms("max_flight_spin_drift_Nms"): OptionalReal, "N m s", Simulation,
+        "Greatest change of the angular momentum about the centre of mass in a flight. Empty for a fixed base.";
     final_object_shift_m("final_object_shift_m"): OptionalReal, "m", Simulation,
         "Greatest distance of the frame of an object from its initial position at the end; empty without objects.";
     final_object_turn_rad("final_object_turn_rad"): OptionalReal, "rad", Simulation,

@@ -39,7 +39,13 @@ fn overview(out: &mut String, robot: &Robot) -> std::fmt::Result {
         writeln!(out, "  file                {} ({} bytes)", path.display(), bytes.len())?;
     }
     writeln!(out, "  base                {base}, root link {}", model.links[0].name)?;
-    writeln!(out, "  degrees of freedom  {} ({} base, {} joints)", model.nv(), model.nb(), model.nj())?;
+    let conditions = [(model.couplings.len(), "coupling"), (model.loops.len(), "loop")];
+    let counted = conditions.into_iter().filter(|(n, _)| *n > 0);
+    let counted = counted.map(|(n, what)| format!("{n} {what}{}", if n == 1 { "" } else { "s" })).collect::<Vec<_>>();
+    // Conditions may depend on each other: how many they remove is not known here.
+    let before = if counted.is_empty() { String::new() } else { format!(", before {}", counted.join(" and ")) };
+    let (all, base, joints) = (model.nv(), model.nb(), model.nj());
+    writeln!(out, "  degrees of freedom  {all} ({base} base, {joints} joints{before})")?;
     writeln!(out, "  mass                {} kg", number(model.mass()))?;
     writeln!(out, "  centre of mass      {} m at home, in the root frame", vector(&centre_of_mass(model, &poses)))?;
     let lowest = model.soles.iter().flat_map(|s| s.vertices.iter().map(|v| (poses[s.link.0] * Point3::from(*v)).z));

@@ -19,6 +19,7 @@ use super::setup::Setup;
 use crate::contact::model::state::SoleState;
 use crate::dynamics::State;
 use crate::dynamics::chain::FrameMotion;
+use crate::geometry::roll_pitch_yaw;
 use crate::robot::Model;
 use crate::task::server::TickInput;
 use crate::task::{AugmentedData, Command, Needs, SensorReadings, TaskServer};
@@ -266,8 +267,7 @@ impl RemoteRun {
         let m = &mut self.metrics;
         m.duration_s = state.time;
         m.final_base_position = state.position.into();
-        let (roll, pitch, yaw) = state.rotation.euler_angles();
-        m.final_base_rpy = [roll, pitch, yaw];
+        m.final_base_rpy = roll_pitch_yaw(&state.rotation);
         if self.model.nb() == 6 {
             m.final_base_velocity = [state.v[0], state.v[1], state.v[2]];
             m.final_base_angular_velocity = [state.v[3], state.v[4], state.v[5]];

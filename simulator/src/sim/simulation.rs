@@ -28,6 +28,7 @@ use crate::contact::methods::contact_method::Scheme;
 use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::problem::Problem;
 use crate::contact::model::solution::Solution;
+use crate::geometry::roll_pitch_yaw;
 use crate::integrate::StepControl;
 use crate::robot::{LinkId, Model};
 use crate::text::length_limit::limit_length;
@@ -283,8 +284,7 @@ impl Simulation {
         m.duration_s = state.time;
         m.evaluations = run.plant.evaluations;
         m.final_base_position = state.position.into();
-        let (roll, pitch, yaw) = state.rotation.euler_angles();
-        m.final_base_rpy = [roll, pitch, yaw];
+        m.final_base_rpy = roll_pitch_yaw(&state.rotation);
         let is_floating = run.plant.model.nb() == 6;
         m.final_base_velocity = if is_floating { [state.v[0], state.v[1], state.v[2]] } else { [0.0; 3] };
         if let Some(monitor) = &run.self_collision {

@@ -10,6 +10,7 @@ use crate::console::console_error::ConsoleError;
 use crate::console::displayed_log::{digits, motion, state};
 use crate::console::session::Session;
 use crate::dynamics::{Workspace, crba, jacobian, kinematics};
+use crate::geometry::roll_pitch_yaw;
 use crate::log::Trajectory;
 use crate::robot::LinkId;
 use crate::text::pattern::matches;
@@ -63,7 +64,7 @@ impl Session {
     pub(in crate::console) fn base(&mut self) -> QueryResult<String> {
         self.with_displayed_log(|_, log, tick| {
             let m = motion(log)?;
-            let (roll, pitch, yaw) = m.base_orientation[tick].euler_angles();
+            let [roll, pitch, yaw] = roll_pitch_yaw(&m.base_orientation[tick]);
             Ok(format!(
                 "position {} m\nroll pitch yaw {roll:.6} {pitch:.6} {yaw:.6} rad\nvelocity {} m/s\nangular velocity {} rad/s\n",
                 vector_text(&m.base_position[tick]),
@@ -140,8 +141,8 @@ impl Session {
             let own = &ws.links[link.0];
             let rotation = own.rotation * pose.rotation.to_rotation_matrix();
             let position = own.origin + ws.position + own.rotation * pose.translation.vector;
-            let (roll, pitch, yaw) =
-                nalgebra::Rotation3::from_matrix_unchecked(rotation).euler_angles();
+            let rotation = nalgebra::Rotation3::from_matrix_unchecked(rotation);
+            let [roll, pitch, yaw] = roll_pitch_yaw(&nalgebra::UnitQuaternion::from_rotation_matrix(&rotation));
             let velocity = jacobian::link_twist(&ws, link, &position);
             Ok(format!(
                 "position {} m\nroll pitch yaw {roll:.6} {pitch:.6} {yaw:.6} rad\nvelocity {} m/s\nangular velocity {} rad/s\n",

@@ -30,8 +30,6 @@ use nalgebra::{Vector2, Vector3};
 pub struct Residual {
     /// Deepest vertex below the floor, m.
     pub penetration: f64,
-    /// Height of the lowest vertex, m; infinite without soles. This is not a residual.
-    pub lift: f64,
     /// Tension the floor exerts on a vertex, N.
     pub tension: f64,
     /// Tangential load beyond the friction capacity, N.
@@ -101,7 +99,7 @@ pub fn evaluate(p: &Problem, states: &States, solution: &Solution) -> Residual {
 /// soles after its forces have been computed.
 pub fn evaluate_motion(loads: Loads, p: &Problem, states: &States, solution: &Solution) -> Residual {
     let Loads { tension, cone_excess, resultant_gap } = loads;
-    let mut r = Residual { lift: f64::INFINITY, tension, cone_excess, resultant_gap, ..Residual::default() };
+    let mut r = Residual { tension, cone_excess, resultant_gap, ..Residual::default() };
     for (s, sole) in p.soles.iter().enumerate() {
         for (i, v) in sole.vertices.iter().enumerate() {
             r.motion(v, solution.normal[s][i], &solution.tangent[s][i], role(states[s], i, sole.vertices.len()));
@@ -175,7 +173,6 @@ impl Loads {
 impl Residual {
     fn motion(&mut self, v: &Vertex, n: f64, t: &Vector2<f64>, role: Role) {
         self.penetration = self.penetration.max(-v.height);
-        self.lift = self.lift.min(v.height);
         self.signorini = self.signorini.max((n * v.height).abs());
         let slip = v.velocity.xy();
         match role {

@@ -76,7 +76,14 @@ impl Milestones {
             }
         }
         self.states.get_or_insert_default().clone_from(states);
-        if (0..soles).any(|s| states[s] != SoleState::FREE) {
+        if plant.model.nb() != 6 {
+            return;
+        }
+        m.max_flight_path_drift_m.get_or_insert(0.0);
+        m.max_flight_spin_drift_nms.get_or_insert(0.0);
+        // Contacts between objects and the floor are not the robot's.
+        let touches = |s: usize| states[s] != SoleState::FREE && plant.reduced.bodies(s).any(|b| b.mechanism == 0);
+        if (0..soles).any(touches) {
             self.flight = None;
             return;
         }
@@ -90,8 +97,9 @@ impl Milestones {
             Some(start) => {
                 let t = t - start.time;
                 let path = start.com + start.velocity * t + plant.gravity * (0.5 * t * t);
-                m.max_flight_path_drift_m = m.max_flight_path_drift_m.max((com - path).norm());
-                m.max_flight_spin_drift_nms = m.max_flight_spin_drift_nms.max((spin - start.spin).norm());
+                let greatest = |metric: &mut Option<f64>, drift: f64| *metric = metric.map(|before| before.max(drift));
+                greatest(&mut m.max_flight_path_drift_m, (com - path).norm());
+                greatest(&mut m.max_flight_spin_drift_nms, (spin - start.spin).norm());
             }
         }
     }

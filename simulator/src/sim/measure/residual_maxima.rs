@@ -64,7 +64,8 @@ pub struct ResidualMaxima {
     energy: RunningError,
     contact: PerSole<Loading>,
     flickers: u64,
-    lift: f64,
+    /// Greatest height of the lowest vertex of the robot's soles, m; none without soles.
+    lift: Option<f64>,
     /// Times up to which residuals and energy have been recorded, s.
     residual_time: f64,
     energy_time: f64,
@@ -75,6 +76,7 @@ impl ResidualMaxima {
     pub fn record_step(&mut self, plant: &mut Plant, distance: f64) {
         let t = plant.state.time;
         let dt = t - std::mem::replace(&mut self.residual_time, t);
+        self.record_lift(plant);
         if plant.problem.soles.is_empty() {
             return;
         }
@@ -82,7 +84,6 @@ impl ResidualMaxima {
         for (running, value) in self.residuals.iter_mut().zip(r.values()) {
             running.add(value, dt);
         }
-        self.lift = self.lift.max(r.lift);
         for (s, sole) in plant.problem.soles.iter().enumerate() {
             let load: f64 = plant.solution.normal[s].iter().sum();
             let gap = sole.vertices.iter().map(|v| v.height).fold(f64::INFINITY, f64::min);
@@ -91,6 +92,12 @@ impl ResidualMaxima {
             self.contact[s] = next;
             self.flickers += u64::from(flickered);
         }
+    }
+
+    fn record_lift(&mut self, plant: &Plant) {
+        let soles = &plant.problem.soles[..plant.model.soles.len().min(plant.problem.soles.len())];
+        let lowest = soles.iter().flat_map(|sole| &sole.vertices).map(|v| v.height).reduce(f64::min);
+        self.lift = lowest.map_or(self.lift, |lowest| Some(self.lift.unwrap_or(0.0).max(lowest)));
     }
 
     /// Continues with other polygons, `number` in all; `former` gives the former index of each that was

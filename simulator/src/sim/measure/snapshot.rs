@@ -156,7 +156,7 @@ pub fn fill(plant: &mut Plant, edges: &mut Vec<Edge>, out: &mut Snapshot) {
     out.centre_of_pressure = if plant.pair_patches().next().is_some() {
         zero_moment_point(plant)
     } else {
-        (load > 1e-9 * plant.problem.scale).then(|| moment / load)
+        (load > 1e-9 * plant.problem.scale).then(|| plane.project(&(moment / load)))
     };
     convex_hull(&mut out.support_polygon, &plane);
     let corners = out.support_polygon.iter().map(|p| plane.flat(p));

@@ -204,7 +204,7 @@ impl RunState {
 
     /// Emits the last instant of a run of velocity-level steps, with the forces of the last step.
     pub fn emit_last_step(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
-        if self.velocity_level { self.emit_due_snapshots(self.plant.state.time, observer) } else { Ok(()) }
+        if self.velocity_level { self.emit_snapshot(observer) } else { Ok(()) }
     }
 
     /// Fills a snapshot with the plant's last evaluation and the tasks' points.

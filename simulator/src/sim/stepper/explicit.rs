@@ -135,7 +135,8 @@ impl ExplicitStepper {
         let is_evaluated = self.settled.take() == Some(t0) && discontinuity == Discontinuity::None;
         let mut h = hop.unwrap_or_else(|| self.size.next(remaining)).min(remaining);
         sim.plant.within = t0 + 0.5 * h;
-        if sim.locates_events() && discontinuity == Discontinuity::Corner {
+        // What touches is part of the state of springs too.
+        if (sim.locates_events() || sim.plant.is_compliant()) && discontinuity == Discontinuity::Corner {
             sim.choose_states(observer)?;
             if self.sliding_mode.begin_deferred(sim, observer)? {
                 return self.step_in_sliding_mode(sim, until, observer);
