@@ -44,23 +44,14 @@ impl Simulation {
         self.run.log.next().is_some_and(|due| due <= self.run.plant.state.time + 1e-12)
     }
 
-    /// A snapshot of the present state as the log would contain it, with the forces that act if
-    /// no event happens now. Does not influence the run.
+    /// A snapshot of the present state as the log would contain it, also at the end of the run, with the
+    /// forces that act if no event happens now. Does not influence the run.
     pub fn snapshot(&mut self) -> Snapshot {
-        // The forces of velocity-level steps are those of the last step.
-        self.take_snapshot(!(self.run.started && self.run.velocity_level))
-    }
-
-    /// A snapshot of the present state as the log would contain it if the run ended here.
-    pub fn snapshot_at_end(&mut self) -> Snapshot {
-        self.take_snapshot(!(self.run.velocity_level && self.snapshot_due()))
-    }
-
-    fn take_snapshot(&mut self, evaluate: bool) -> Snapshot {
         let run = &mut self.run;
         let mut snapshot = run.log.snapshot.clone();
         let saved = (run.plant.solution.clone(), run.plant.within, run.plant.evaluations);
-        if evaluate {
+        // The forces of velocity-level steps are those of the last step.
+        if !(run.started && run.velocity_level) {
             run.plant.evaluate();
         }
         run.fill_snapshot(&mut snapshot);

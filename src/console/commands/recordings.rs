@@ -73,8 +73,7 @@ impl Session {
         }
         // As in every run, the last instant of the log is the present.
         if self.termination.is_none() && self.observer.last != Some(self.time()) {
-            let last =
-                if self.simulation.has_begun() { self.simulation.snapshot_at_end() } else { self.present_snapshot()? };
+            let last = self.present_snapshot()?;
             self.observer.snapshot(&last).map_err(ConsoleError::usage)?;
         }
         let Some(log) = self.observer.log.take().filter(|_| self.observer.instants > 0) else { return Ok(false) };
