@@ -35,6 +35,9 @@ pub struct Determined {
     pub greatest: f64,
 }
 
+/// Greatest entry of a Jacobian whose products are finite.
+const MOST: f64 = 1e140;
+
 /// Judges a Jacobian per scaled parameter. `error` is the norm of its error, `ranges` the length of
 /// each scaled parameter's range.
 pub fn determine(jacobian: &DMatrix<f64>, error: f64, ranges: &[f64]) -> Determined {
@@ -43,6 +46,11 @@ pub fn determine(jacobian: &DMatrix<f64>, error: f64, ranges: &[f64]) -> Determi
         Determined { covariance: DMatrix::zeros(p, p), parameters: vec![true; p], blind: Vec::new(), greatest: 0.0 };
     if p == 0 {
         return found;
+    }
+    // Products of its entries would overflow, and no decomposition of them ends: nothing is determined.
+    if jacobian.iter().any(|x| x.is_nan() || x.abs() > MOST) {
+        let direction = |k: usize| ((0..p).map(|i| if i == k { 1.0 } else { 0.0 }).collect(), 0.0);
+        return Determined { parameters: vec![false; p], blind: (0..p).map(direction).collect(), ..found };
     }
     let rows = jacobian.nrows().max(p);
     let padded = DMatrix::from_fn(rows, p, |i, k| if i < jacobian.nrows() { jacobian[(i, k)] } else { 0.0 });
@@ -217,5 +225,13 @@ mod tests {
         // A standard error of 2 within a range of 1.
         assert_eq!(determine(&j, 1e-9, &[1.0; 2]).parameters, [true, false]);
         assert_eq!(determine(&j, 1e-9, &[1.0, 3.0]).parameters, [true, true]);
+    }
+
+    #[test]
+    fn a_matrix_whose_products_overflow_determines_nothing() {
+        for value in [1e300, f64::INFINITY, f64::NAN] {
+            let found = determine(&DMatrix::from_row_slice(2, 2, &[value, 0.0, 1.0, 1.0]), 1e-9, &[1.0; 2]);
+            assert_eq!((found.parameters, found.blind.len()), (vec![false, false], 2), "{value}");
+        }
     }
 }

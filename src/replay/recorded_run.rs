@@ -1,6 +1,6 @@
 //! Finds recorded runs by key, folder or file.
 
-use crate::files::{json, names};
+use crate::files::{RecordError, json, names};
 use crate::replay::replay_error::ReplayError;
 use crate::results::{RunRecord, read_records};
 use crate::sim::Outcome;
@@ -45,15 +45,17 @@ impl RecordedRun {
 /// Finds the run of a folder or of a `run.json`, the runs of a folder of results, or the run below
 /// `results` whose key begins with `target`. Reference runs are found as well.
 ///
+/// Of a folder of results, also returns why records in it cannot be read.
+///
 /// # Errors
 /// There is none, or several keys begin with the text.
-pub fn find(target: &str, results: &Path) -> Result<Vec<RecordedRun>, ReplayError> {
+pub fn find(target: &str, results: &Path) -> Result<(Vec<RecordedRun>, Vec<RecordError>), ReplayError> {
     let path = Path::new(target);
     if path.is_file() {
-        return Ok(vec![RecordedRun::read(path)?]);
+        return Ok((vec![RecordedRun::read(path)?], Vec::new()));
     }
     if path.join(names::RUN_RECORD).is_file() {
-        return Ok(vec![RecordedRun::read(&path.join(names::RUN_RECORD))?]);
+        return Ok((vec![RecordedRun::read(&path.join(names::RUN_RECORD))?], Vec::new()));
     }
     let folder = if path.is_dir() { path } else { results };
     let mut records = read_records(folder)?;
@@ -70,5 +72,7 @@ pub fn find(target: &str, results: &Path) -> Result<Vec<RecordedRun>, ReplayErro
         let names: Vec<_> = found.iter().map(|l| format!("{} {}", l.record.scenario, l.record.key)).collect();
         return Err(ReplayError::AmbiguousKey { key: target.to_owned(), found: names.join(", ") });
     }
-    Ok(found)
+    // Among runs of other keys damaged records do not matter.
+    let skipped = if path.is_dir() { records.skipped } else { Vec::new() };
+    Ok((found, skipped))
 }

@@ -4,6 +4,28 @@
 use crate::support::runs::{hard_push, watch};
 use stiction::sim::SimEvent;
 
+/// The shortest steps of a sliding mode end at instants of the log that are a little farther than one of them.
+/// A force against the velocity alternates with it.
+#[test]
+fn shortest_steps_pass_the_instants_of_a_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("against.luau");
+    let script = "links = { \"block\" }\nfunction run(robot)\n local v = robot.link.block.linear_velocity[1]\n \
+                  return { { link = \"block\", force = { v > 0 and -20 or 20, 0, 0 } } }\nend\n";
+    std::fs::write(&file, script).unwrap();
+    let (m, recording) = watch(&format!(
+        "duration = 0.01405
+        log = {{ rate = 997 }}
+        floor = {{ friction = 0.2 }}
+        robot = {{ model = \"robots/block/block.toml\" }}
+        force = [{{ type = \"script\", file = {file:?} }}]"
+    ));
+    assert_eq!(m.duration_s, 0.01405);
+    assert!(recording.events.iter().any(|event| event.kind == "sliding-mode"), "{:?}", recording.events);
+    // 20 N reach 20 um/s in a microsecond.
+    assert!(m.final_base_velocity[0].abs() < 1e-4, "{:?}", m.final_base_velocity);
+}
+
 /// Position (m) and yaw (rad) of the base of CB-i on a slope, in a run without sliding modes, which
 /// locates 343 events (the same program with their detection removed).
 const RESOLVED: ([f64; 3], f64) =

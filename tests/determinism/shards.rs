@@ -210,6 +210,11 @@ fn equal_runs_of_different_parts_do_not_merge() {
     let done = place.runner(&merge(&["1", "2"], "merged")).exits(2);
     assert!(done.stderr.contains(" of the plan are the same: s ") && done.stderr.contains(&other), "{}", done.stderr);
     assert!(!place.path("merged").exists());
+    // A damaged line is named.
+    let lines: Vec<&str> = text.lines().collect();
+    fs::write(&list, [lines[0], lines[1], "{\"at\": ?", ""].join("\n")).unwrap();
+    let done = place.runner(&merge(&["1", "2"], "merged")).exits(2);
+    assert!(done.stderr.contains("2/shard.jsonl: line 3, column 8: expected value\n"), "{}", done.stderr);
 }
 
 /// Parts whose machines have different files of one name do not merge.

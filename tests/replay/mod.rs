@@ -251,6 +251,21 @@ fn a_timed_out_run_is_compared_up_to_its_end() {
     }
 }
 
+/// Records that cannot be read are not among those that gave the same bits.
+#[test]
+fn damaged_records_of_a_folder_are_reported() {
+    let place = Place::new();
+    place.block("s.toml", "[sweep]\nrepeat = 3\n");
+    place.runner(&["s.toml", "--no-log", "--set", "duration=0.02"]).exits(0);
+    let all = folders(&place, "s");
+    fs::write(place.path(&all[0]).join("run.json"), "{}").unwrap();
+    let done = place.runner(&["replay", "results"]).exits(2);
+    assert!(done.stderr.contains("error: not re-run: ") && done.stderr.contains(&all[0]), "{}", done.stderr);
+    assert_prints(&done, "2 runs gave the same bits, 0 did not, 1 run not re-run");
+    // Other runs do not matter to one that is named.
+    place.runner(&["replay", &all[1]]).exits(0);
+}
+
 #[test]
 fn unknown_and_ambiguous_keys_are_refused() {
     let (place, folder) = finished_run();

@@ -152,6 +152,8 @@ pub struct ShardList {
     pub head: ShardHead,
     path: PathBuf,
     lines: BufReader<File>,
+    /// Number of lines read.
+    line: usize,
 }
 
 impl ShardList {
@@ -164,7 +166,7 @@ impl ShardList {
         let mut lines = BufReader::new(input::open(&path).map_err(RecordError::io(&path))?.0);
         let mut text = String::new();
         lines.read_line(&mut text).map_err(RecordError::io(&path))?;
-        Ok(ShardList { head: json::parse(text.as_bytes(), &path, SHARD_SCHEMA)?, path, lines })
+        Ok(ShardList { head: json::parse(text.as_bytes(), &path, SHARD_SCHEMA)?, path, lines, line: 1 })
     }
 
     /// Refuses scenarios that are not plain folder names, and keys of another form than those of
@@ -185,8 +187,14 @@ impl Iterator for ShardList {
         match self.lines.read_line(&mut text) {
             Ok(0) => None,
             Ok(_) => {
-                let run = serde_json::from_str(&text);
-                let run = run.map_err(|source| RecordError::Json { path: self.path.clone(), source });
+                self.line += 1;
+                let run = serde_json::from_str(&text).map_err(|error: serde_json::Error| {
+                    // Its own line is always the first.
+                    let text = error.to_string();
+                    let what = text.split(" at line ").next().unwrap_or(&text);
+                    let reason = format!("line {}, column {}: {what}", self.line, error.column());
+                    RecordError::Json { path: self.path.clone(), source: serde::de::Error::custom(reason) }
+                });
                 Some(run.and_then(|run| self.checked(run)))
             }
             Err(source) => Some(Err(RecordError::Io { path: self.path.clone(), source })),

@@ -45,17 +45,21 @@ impl Replay {
     /// Repeats each run and reports the comparison.
     pub fn execute(self) -> Result<Exit, Exit> {
         let mut all: Vec<RecordedRun> = Vec::new();
+        let mut unknown = Vec::new();
         for what in &self.what {
-            all.extend(replay::find(what, &self.results).map_err(refuse)?);
+            let (found, skipped) = replay::find(what, &self.results).map_err(refuse)?;
+            all.extend(found);
+            unknown.extend(skipped.iter().map(|error| refuse(format!("not re-run: {error}"))));
         }
-        if all.is_empty() {
+        let chosen = all.len() + unknown.len();
+        if chosen == 0 {
             complain("nothing selected: there are no runs in these folders");
             return Err(Exit::Nothing);
         }
         let running: Arc<Mutex<Option<Interrupter>>> = Arc::default();
         let interrupted = running.clone();
         let first_signal = on_termination_signal(move |exit| stop(&interrupted, exit));
-        let (mut same, mut differ, mut unknown) = (0, 0, Vec::new());
+        let (mut same, mut differ) = (0, 0);
         for recorded in &all {
             match self.is_same(recorded, &running) {
                 Ok(true) => same += 1,
@@ -65,7 +69,7 @@ impl Replay {
                 Err(exit) => unknown.push(exit),
             }
         }
-        if all.len() > 1 {
+        if chosen > 1 {
             let lost = if unknown.is_empty() {
                 String::new()
             } else {

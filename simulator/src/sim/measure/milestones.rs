@@ -8,6 +8,7 @@
 
 use crate::contact::model::state::{SoleState, States};
 use crate::dynamics::body;
+use crate::math;
 use crate::sim::plant::Plant;
 use crate::sim::report::{Metrics, Snapshot};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -97,7 +98,8 @@ impl Milestones {
             Some(start) => {
                 let t = t - start.time;
                 let path = start.com + start.velocity * t + plant.gravity * (0.5 * t * t);
-                let greatest = |metric: &mut Option<f64>, drift: f64| *metric = metric.map(|before| before.max(drift));
+                let greatest =
+                    |metric: &mut Option<f64>, drift: f64| *metric = metric.map(|before| math::greater(before, drift));
                 greatest(&mut m.max_flight_path_drift_m, (com - path).norm());
                 greatest(&mut m.max_flight_spin_drift_nms, (spin - start.spin).norm());
             }
@@ -130,7 +132,8 @@ impl Milestones {
         for (object, (position, rotation)) in plant.objects.list.iter().zip(&self.objects) {
             let state = &object.state;
             let speed = if object.model.nb() == 6 { Vector3::from_column_slice(&state.v[..3]).norm() } else { 0.0 };
-            let greatest = |metric: &mut Option<f64>, value: f64| *metric = Some(metric.unwrap_or(0.0).max(value));
+            let greatest =
+                |metric: &mut Option<f64>, value: f64| *metric = Some(math::greater(metric.unwrap_or(0.0), value));
             greatest(&mut m.final_object_shift_m, (state.position - position).norm());
             greatest(&mut m.final_object_turn_rad, rotation.angle_to(&state.rotation));
             greatest(&mut m.final_object_speed_m_per_s, speed);

@@ -8,6 +8,7 @@
 use super::energy_balance::EnergyBalance;
 use crate::contact::model::per_sole::PerSole;
 use crate::contact::model::residual::RESIDUALS;
+use crate::math;
 use crate::sim::plant::Plant;
 use crate::sim::report::Metrics;
 
@@ -23,7 +24,7 @@ struct RunningError {
 
 impl RunningError {
     fn add(&mut self, value: f64, dt: f64) {
-        self.max = self.max.max(value);
+        self.max = math::greater(self.max, value);
         self.squares += value * value * dt;
     }
 
@@ -97,7 +98,7 @@ impl ResidualMaxima {
     fn record_lift(&mut self, plant: &Plant) {
         let soles = &plant.problem.soles[..plant.model.soles.len().min(plant.problem.soles.len())];
         let lowest = soles.iter().flat_map(|sole| &sole.vertices).map(|v| v.height).reduce(f64::min);
-        self.lift = lowest.map_or(self.lift, |lowest| Some(self.lift.unwrap_or(0.0).max(lowest)));
+        self.lift = lowest.map_or(self.lift, |lowest| Some(math::greater(self.lift.unwrap_or(0.0), lowest)));
     }
 
     /// Continues with other polygons, `number` in all; `former` gives the former index of each that was

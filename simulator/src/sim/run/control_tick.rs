@@ -1,6 +1,7 @@
 //! A control tick: sensors, estimator, tasks or another command source, and the joint commands.
 
 use super::RunState;
+use crate::math;
 use crate::sim::event_kind::EventKind;
 use crate::sim::measure::snapshot;
 use crate::sim::report::{Observer, SimEvent};
@@ -78,8 +79,8 @@ impl RunState {
         if self.estimator.estimates() {
             let (position, angle) = self.estimator.error(&self.plant.state);
             let m = &mut self.metrics;
-            m.max_estimate_error_m = Some(m.max_estimate_error_m.unwrap_or(0.0).max(position));
-            m.max_estimate_error_rad = Some(m.max_estimate_error_rad.unwrap_or(0.0).max(angle));
+            m.max_estimate_error_m = Some(math::greater(m.max_estimate_error_m.unwrap_or(0.0), position));
+            m.max_estimate_error_rad = Some(math::greater(m.max_estimate_error_rad.unwrap_or(0.0), angle));
             (m.final_estimate_error_m, m.final_estimate_error_rad) = (Some(position), Some(angle));
         }
     }

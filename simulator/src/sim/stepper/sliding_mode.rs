@@ -299,7 +299,9 @@ impl SlidingMode {
                 }
                 StepSize::Fixed(_) => (0.0, 1.0),
             };
-            if error <= 1.0 || h <= self.least {
+            // The shortest step may be stretched to the end.
+            let is_shortest = h <= self.least || h == remaining && remaining - self.least < 0.01 * self.least;
+            if error <= 1.0 || is_shortest {
                 self.adapt_least(error);
                 if h < remaining || factor < 1.0 {
                     self.h = (h * factor).max(self.least);
