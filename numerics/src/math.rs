@@ -28,8 +28,8 @@ pub fn powi(x: f64, n: i32) -> f64 {
     }
 }
 
-/// The greater of two numbers; not a number if one of them is none. The method of `f64` takes the other one,
-/// so that an error which cannot be computed would not count.
+/// The greater of two numbers; NaN if one of them is NaN. The method `max` of `f64` ignores NaN, so an error
+/// that cannot be computed would not count.
 #[inline]
 pub fn greater(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
@@ -40,7 +40,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_number_is_not_passed_over() {
+    fn the_greater_of_nan_and_a_number_is_nan() {
         assert_eq!((greater(1.0, 2.0), greater(2.0, -1.0)), (2.0, 2.0));
         assert!(greater(f64::NAN, 1.0).is_nan() && greater(1.0, f64::NAN).is_nan());
     }

@@ -115,7 +115,7 @@ fn shards_of_a_running_batch_are_not_merged() {
     fs::remove_file(folders[1].join(record)).unwrap();
     let error = shards.write(&place.path("changed"), &missing).unwrap_err();
     assert!(matches!(error, MergeError::Changed { .. }) && error.to_string().contains("is gone"), "{error}");
-    // Nobody else writes what is merged, until its report is written.
+    // Parts and output stay locked until the report is written.
     let folders = [place.path("part-1")];
     let shards = Shards::open(&folders).unwrap();
     let merged = shards.write(&place.path("one"), &shards.check().unwrap()).unwrap();

@@ -171,7 +171,7 @@ fn at_a_pace_the_robot_stands_despite_network_impairment() {
 fn missing_peers_are_reported_and_recorded() {
     let place = Place::new();
     hoap2(&place, "s.toml", SQUAT);
-    // Packets arrive here, and nobody reads them.
+    // This socket receives the packets and never answers.
     let silent = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();
     let port = silent.local_addr().unwrap().port();
     let done = place.runner(&["s.toml", "--set", &format!("robot.backend=\"udp://127.0.0.1:{port}\"")]).exits(3);

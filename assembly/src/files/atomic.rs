@@ -39,7 +39,7 @@ fn remove_partial_of(folder: &Path, name: &str) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
         if entry.file_type().is_ok_and(|kind| kind.is_file()) && is_partial(&entry.path(), name) {
-            // What cannot be opened may be another user's, who is writing it.
+            // A file that cannot be opened may belong to another user, who is writing it.
             let Ok(file) = open_to_lock(&entry.path()) else { continue };
             if !is_locked(&file) {
                 // The lock is held until the file is gone.
@@ -216,7 +216,7 @@ pub fn write_named(
             fill(&mut out)?;
             out.flush().map_err(RecordError::io(path))
         }
-        // Others may be passing troubles of a network, behind which the file is whole.
+        // Other errors may be temporary, as on a network drive: the file may exist.
         Err(error) if !matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
             Err(RecordError::io(path)(error))
         }

@@ -102,7 +102,7 @@ pub(super) fn include(
     let folder = uri.source.path().parent().unwrap_or(Path::new(""));
     let found = resolve_uri(folder, uri.text()).map_err(cannot)?;
     let file = if found.is_dir() { model_file(&found).map_err(cannot)? } else { found };
-    // A file that is included again is not read again: the bytes that are used are those that are known.
+    // A file is read once, so that all its uses have the bytes that the key of a run hashes.
     let known = reading.document.files.iter().find(|(known, _)| *known == file);
     let text = match known.and_then(|(_, bytes)| str::from_utf8(bytes).ok()) {
         Some(text) => text.to_owned(),

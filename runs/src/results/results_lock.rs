@@ -8,7 +8,7 @@ use std::io;
 use std::path::Path;
 use std::time::Duration;
 
-/// How often a lock is asked for before it is refused, since readers have it for a moment.
+/// Attempts to lock before the lock counts as held: readers release it within moments.
 const ATTEMPTS: u32 = 60;
 
 /// Time between two attempts.

@@ -138,7 +138,7 @@ impl<'a> Meshes<'a> {
             return Ok(Err("built-in meshes are not available".into()));
         }
         let Some(path) = self.path(view, compiler) else { return inline(view) };
-        // A file of several meshes is read once: the bytes that are used are those that are known.
+        // A file of several meshes is read once, so that all use the bytes that the key of a run hashes.
         let at = match self.files.iter().position(|(known, _)| *known == path) {
             Some(at) => at,
             None => match input::read(&path, input::MOST_DATA) {
